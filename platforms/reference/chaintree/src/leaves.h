@@ -17,7 +17,8 @@
 typedef struct TrialMembers {
   int64_t trialNumber; /* equal to Leaves.trialNumber: the rest is of this trial */
   int body[TREE_WIDTH];
-  AxisBoxes boxes; /* not filled for a static node: see the boxes of the state */
+  const AxisBoxes* inTrial; /* `boxes`, or those of the state for a static node */
+  AxisBoxes boxes;          /* not filled for a static node */
 } TrialMembers;
 
 /* A growing list. */

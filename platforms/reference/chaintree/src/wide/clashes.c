@@ -127,10 +127,11 @@ CT_INLINE unsigned membersNearMember(void* search, int level, int a, int k, int 
   const SnapshotBoxes* aroundA = snapshotBoxes(&pass->sweep->snapshot, layout, a);
   const SnapshotBoxes* aroundB = snapshotBoxes(&pass->sweep->snapshot, layout, b);
   pass->task->volumeTests += treeMemberCount(layout, level, b) - (a == b ? k : 0);
-  return membersNear(pass, aroundB, aroundA, k, true);
+  return membersNear(pass, aroundB, aroundA, k, true) & notBefore(a, k, b);
 }
 
 void CT_WIDE(sweepClashes)(Sweep* sweep, SweepTask* task) {
   Pass pass = startPass(sweep, task);
-  descendBoxes(&pass, sweep->layout, 1, membersNearOther, membersNearMember, sweepLeaves);
+  const BoxVisitor visitor = {membersNearOther, membersNearMember, sweepLeaves, false};
+  descendBoxes(&pass, sweep->layout, 1, visitor);
 }

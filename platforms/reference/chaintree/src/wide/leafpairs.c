@@ -1,7 +1,7 @@
-/* The pairs of leaves that a trial changes, and all that are near. For a trial, boxes before it and in it are descended
- * pair by pair. A node is opened when it is first reached: its members get their bodies and, where they move, boxes in
- * the trial. Of a pair of members at least one is not of the largest body, that with most leaves, since all pairs
- * within that stay as they are: such members are rows, each of which is compared with sixteen others at a time. */
+/* The pairs of leaves that a trial changes, and all that are near. A node is opened when it is first reached in a
+ * trial: its members get their bodies and, where they move, boxes in the trial. Of a pair of members at least one is
+ * not of the largest body, that with most leaves, since all pairs within that stay as they are: such members are rows,
+ * each of which is compared with sixteen others at a time. */
 #include <string.h>
 
 #include "axisboxes.h"
@@ -171,6 +171,7 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
   Leaves* leaves = task->leaves;
   TrialMembers* members = trialMembers(leaves, tree, node);
   members->trialNumber = leaves->trialNumber;
+  members->inTrial = &members->boxes;
   members->boxes = *leafBoxes(leaves, tree, node);
   const unsigned occupied = leaves->occupied[node];
   const int first = (node - tree->levelBegin[level]) * TREE_WIDTH; /* member, in its level */
@@ -210,18 +211,22 @@ static int openMany(const LeafTask* task, int level, int node, int piece) {
   return commonBody(members, occupied);
 }
 
-/* Opens a node of this body, once a trial. */
-static void openNode(const LeafTask* task, int level, int node, int body) {
+/* Opens a node below the super-root, once a trial. Its parent must be open. */
+static void openNode(const LeafTask* task, int level, int node) {
   Leaves* leaves = task->leaves;
-  TrialMembers* members = trialMembers(leaves, task->tree, node);
+  const Tree* tree = task->tree;
+  TrialMembers* members = trialMembers(leaves, tree, node);
   if (members->trialNumber == leaves->trialNumber) {
     return;
   }
+  const int k = memberIndex(node - tree->levelBegin[level]);
+  const int body = trialMembers(leaves, tree, treeParent(tree, level, node))->body[k];
   const unsigned occupied = leaves->occupied[node];
   members->trialNumber = leaves->trialNumber;
+  members->inTrial = body == 0 ? leafBoxes(leaves, tree, node) : &members->boxes;
   setBody(members, 0xffff, body);
   if (body != 0) {
-    members->boxes = *leafBoxes(leaves, task->tree, node); /* empty members have boxes too */
+    members->boxes = *leafBoxes(leaves, tree, node); /* empty members have boxes too */
     moveMembers(task, level, node, occupied, body, &members->boxes);
   }
   if (level == 1) {
@@ -230,25 +235,6 @@ static void openNode(const LeafTask* task, int level, int node, int body) {
 }
 
 /* ---- Pairs ---- */
-
-/* A node that the descent has reached: member k of its parent. */
-typedef struct Reached {
-  int node;
-  int k;
-  const AxisBoxes* before; /* of its parent's members */
-  const AxisBoxes* after;
-  int body;
-} Reached;
-
-/* An opened node. */
-typedef struct Opened {
-  const AxisBoxes* before; /* of its members */
-  const AxisBoxes* after;
-  const int* body;
-  unsigned occupied;
-  unsigned rows; /* members that are not of the largest body */
-  int first;     /* member, in its level */
-} Opened;
 
 /* A descent. */
 typedef struct LeafDescent {
@@ -264,13 +250,23 @@ CT_INLINE unsigned nearByGaps(LeafDescent* d, Float16 gaps, unsigned columns) {
   return columns & ~greater16(gaps, all16(d->limit));
 }
 
-/* Squared gaps of a box from others: the least before the trial and in it. */
-CT_INLINE Float16 leastGaps(const AxisBoxes* before, const AxisBoxes* after, int k, const Opened* others) {
-  return min16(squaredGaps(before, k, others->before), squaredGaps(after, k, others->after));
+/* Squared gaps of member k of a node from the members of another, in the state. */
+CT_INLINE Float16 gapsInState(const LeafDescent* d, int a, int k, int b) {
+  const LeafTask* task = d->task;
+  return squaredGaps(leafBoxes(task->leaves, task->tree, a), k, leafBoxes(task->leaves, task->tree, b));
+}
+
+/* The least of these and of those in the trial. */
+CT_INLINE Float16 leastGaps(const LeafDescent* d, int a, int k, int b) {
+  const LeafTask* task = d->task;
+  const AxisBoxes* own = trialMembers(task->leaves, task->tree, a)->inTrial;
+  const AxisBoxes* others = trialMembers(task->leaves, task->tree, b)->inTrial;
+  return min16(gapsInState(d, a, k, b), squaredGaps(own, k, others));
 }
 
 /* Adds the pairs of a leaf with leaves first + k for each bit k. False if there is no memory. */
-static bool addPairs(LeafDescent* d, int row, int first, unsigned near) {
+static bool addPairs(void* search, int row, int first, unsigned near) {
+  LeafDescent* d = search;
   LeafPairs* pairs = d->task->pairs;
   if (!ctLeafPairsReserve(pairs, pairs->count + TREE_WIDTH)) {
     d->task->failed = true;
@@ -289,120 +285,64 @@ static bool addPairs(LeafDescent* d, int row, int first, unsigned near) {
   return true;
 }
 
-static Opened openReached(const LeafDescent* d, int level, const Reached* reached) {
-  const LeafTask* task = d->task;
-  openNode(task, level, reached->node, reached->body);
-  const TrialMembers* members = trialMembers(task->leaves, task->tree, reached->node);
-  Opened o;
-  o.before = leafBoxes(task->leaves, task->tree, reached->node);
-  o.after = reached->body == 0 ? o.before : &members->boxes;
-  o.body = members->body;
-  o.occupied = task->leaves->occupied[reached->node];
-  o.rows = o.occupied & ~equal16(members->body, d->largest);
-  o.first = (reached->node - task->tree->levelBegin[level]) * TREE_WIDTH;
-  return o;
-}
-
-static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Reached* b);
-
-static Reached reachMember(const LeafDescent* d, int level, const Opened* o, int k) {
-  const int node = d->task->tree->levelBegin[level - 1] + o->first + k;
-  return (Reached){node, k, o->before, o->after, o->body[k]};
-}
-
-/* Compares row k of an opened node with these columns of another. */
-static void searchRow(LeafDescent* d, int level, const Opened* rows, int k, const Opened* others, unsigned columns) {
-  const Float16 gaps = leastGaps(rows->before, rows->after, k, others);
-  unsigned near = nearByGaps(d, gaps, columns);
-  if (near == 0) {
-    return;
-  }
-  if (level == 1) {
-    store16(d->gaps[k], gaps);
-    addPairs(d, rows->first + k, others->first, near);
-    return;
-  }
-  const Reached row = reachMember(d, level, rows, k);
-  for (; near != 0 && !d->task->failed; near &= near - 1) {
-    const Reached column = reachMember(d, level, others, __builtin_ctz(near));
-    if (row.node <= column.node) {
-      descendLeaves(d, level - 1, &row, &column);
-    } else {
-      descendLeaves(d, level - 1, &column, &row);
-    }
-  }
-}
-
-/* The columns that a row moves against, all in one node. */
-static unsigned columnsOfRow(const Opened* rows, int k, const Opened* others) {
-  if (rows->body[k] == MANY_BODIES) {
-    return others->occupied;
-  }
-  return others->occupied & ~equal16(others->body, rows->body[k]);
-}
-
-/* Lists the pairs of leaves below two nodes of a level, or of one node with itself. */
-static void descendLeaves(LeafDescent* d, int level, const Reached* a, const Reached* b) {
-  const Opened first = openReached(d, level, a);
-  if (a->node == b->node) {
-    for (unsigned left = first.rows; left != 0 && !d->task->failed; left &= left - 1) {
-      const int k = __builtin_ctz(left);
-      /* Pairs of two rows belong to the first. */
-      const unsigned earlier = first.rows & ((1u << k) - 1);
-      searchRow(d, level, &first, k, &first, columnsOfRow(&first, k, &first) & ~earlier);
-    }
-    return;
-  }
-  const Opened second = openReached(d, level, b);
-  unsigned left = first.rows;
-  if ((left & (left - 1)) != 0) {
-    left = nearByGaps(d, leastGaps(b->before, b->after, b->k, &first), left);
-  }
-  for (; left != 0 && !d->task->failed; left &= left - 1) {
-    const int k = __builtin_ctz(left);
-    searchRow(d, level, &first, k, &second, columnsOfRow(&first, k, &second));
-  }
-  const unsigned others = first.occupied & ~first.rows;
-  left = others == 0 ? 0 : second.rows;
-  if ((left & (left - 1)) != 0) {
-    left = nearByGaps(d, leastGaps(a->before, a->after, a->k, &second), left);
-  }
-  for (; left != 0 && !d->task->failed; left &= left - 1) {
-    searchRow(d, level, &second, __builtin_ctz(left), &first, others);
-  }
-}
-
-/* ---- Pairs of the state ---- */
-
 /* Members of node a that are near node b. */
-CT_INLINE unsigned rowsOfState(void* search, int level, int a, int b) {
+CT_INLINE unsigned rowsInState(void* search, int level, int a, int b) {
   LeafDescent* d = search;
   const Tree* tree = d->task->tree;
-  const Leaves* leaves = d->task->leaves;
-  const unsigned rows = leaves->occupied[a];
+  const unsigned rows = d->task->leaves->occupied[a];
   if (a == b || (rows & (rows - 1)) == 0) {
     return rows;
   }
-  const AxisBoxes* around = leafBoxes(leaves, tree, treeParent(tree, level, b));
-  const int k = memberIndex(b - tree->levelBegin[level]);
-  return nearByGaps(d, squaredGaps(around, k, leafBoxes(leaves, tree, a)), rows);
+  return nearByGaps(d, gapsInState(d, treeParent(tree, level, b), memberIndex(b - tree->levelBegin[level]), a), rows);
 }
 
-CT_INLINE unsigned columnsOfState(void* search, int level, int a, int k, int b) {
+CT_INLINE unsigned columnsInState(void* search, int level, int a, int k, int b) {
   LeafDescent* d = search;
-  const Tree* tree = d->task->tree;
-  const Leaves* leaves = d->task->leaves;
-  const Float16 gaps = squaredGaps(leafBoxes(leaves, tree, a), k, leafBoxes(leaves, tree, b));
+  const Float16 gaps = gapsInState(d, a, k, b);
   (void)level;
   store16(d->gaps[k], gaps);
-  return nearByGaps(d, gaps, leaves->occupied[b]);
+  return nearByGaps(d, gaps, d->task->leaves->occupied[b]) & notBefore(a, k, b);
 }
 
-CT_INLINE bool addPairsOfState(void* search, int leaf, int first, unsigned near) {
-  return addPairs(search, leaf, first, near);
+/* Members of an open node that are not of the largest body. */
+CT_INLINE unsigned smallerBodies(const LeafDescent* d, int node) {
+  const LeafTask* task = d->task;
+  return task->leaves->occupied[node] & ~equal16(trialMembers(task->leaves, task->tree, node)->body, d->largest);
 }
 
-/* ---- The task ---- */
+/* Rows of the earlier of two nodes meet all members of the later. Rows of the later meet the others of the earlier,
+ * which are of the largest body. */
+CT_INLINE unsigned rowsInTrial(void* search, int level, int a, int b) {
+  LeafDescent* d = search;
+  const LeafTask* task = d->task;
+  const Tree* tree = task->tree;
+  openNode(task, level, a);
+  openNode(task, level, b);
+  const unsigned rows = a > b && task->leaves->occupied[b] == smallerBodies(d, b) ? 0 : smallerBodies(d, a);
+  if (a == b || (rows & (rows - 1)) == 0) {
+    return rows;
+  }
+  return nearByGaps(d, leastGaps(d, treeParent(tree, level, b), memberIndex(b - tree->levelBegin[level]), a), rows);
+}
+
+CT_INLINE unsigned columnsInTrial(void* search, int level, int a, int k, int b) {
+  LeafDescent* d = search;
+  const LeafTask* task = d->task;
+  const int body = trialMembers(task->leaves, task->tree, a)->body[k];
+  const Float16 gaps = leastGaps(d, a, k, b);
+  (void)level;
+  store16(d->gaps[k], gaps);
+  unsigned columns = task->leaves->occupied[b];
+  if (a > b) {
+    columns &= ~smallerBodies(d, b);
+  } else if (body != MANY_BODIES) {
+    columns &= ~equal16(trialMembers(task->leaves, task->tree, b)->body, body);
+  }
+  if (a == b) {
+    columns &= ~(smallerBodies(d, a) & ((1u << k) - 1)); /* pairs of two rows belong to the first */
+  }
+  return nearByGaps(d, gaps, columns);
+}
 
 /* The largest distance from worldOrigin of a corner of member 0. */
 static double cornerOf(const AxisBoxes* boxes) {
@@ -428,12 +368,14 @@ static void listChanged(LeafDescent* d) {
   const Tree* tree = d->task->tree;
   Leaves* leaves = d->task->leaves;
   const int superRoot = treeSuperRoot(tree);
-  const int level = tree->levelCount;
+  TrialMembers* top = trialMembers(leaves, tree, superRoot);
   leaves->trialNumber++;
   d->largest = largestBody(d->task);
-  const Reached top = {.node = superRoot, .body = openMany(d->task, level, superRoot, 0)};
-  d->limit = gapLimit(d->task, leafBoxes(leaves, tree, superRoot), &trialMembers(leaves, tree, superRoot)->boxes);
-  descendLeaves(d, level, &top, &top);
+  openMany(d->task, tree->levelCount, superRoot, 0);
+  d->limit = gapLimit(d->task, leafBoxes(leaves, tree, superRoot), &top->boxes);
+  if (top->body[0] == MANY_BODIES) {
+    descendBoxes(d, tree, 1, (BoxVisitor){rowsInTrial, columnsInTrial, addPairs, true});
+  }
 }
 
 /* Lists all near pairs of leaves. */
@@ -441,7 +383,7 @@ static void listAll(LeafDescent* d) {
   const Tree* tree = d->task->tree;
   const AxisBoxes* around = leafBoxes(d->task->leaves, tree, treeSuperRoot(tree));
   d->limit = gapLimit(d->task, around, around);
-  descendBoxes(d, tree, 1, rowsOfState, columnsOfState, addPairsOfState);
+  descendBoxes(d, tree, 1, (BoxVisitor){rowsInState, columnsInState, addPairs, false});
 }
 
 void CT_WIDE(listLeafPairs)(LeafTask* task) {

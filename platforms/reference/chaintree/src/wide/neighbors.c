@@ -27,11 +27,10 @@ CT_INLINE unsigned memberOverOwn(void* search, int level, int a, int b) {
 CT_INLINE unsigned membersNearOwn(void* search, int level, int a, int k, int b) {
   const NodeSearch* nodes = search;
   const Sweep* sweep = nodes->pass->sweep;
-  (void)a;
-  (void)k;
   nodes->pass->task->volumeTests += treeMemberCount(sweep->layout, level, b);
   return membersNear(nodes->pass, snapshotBoxes(&sweep->snapshot, sweep->layout, b), nodes->around,
-                     memberIndex(nodes->own - sweep->layout->levelBegin[1]), false);
+                     memberIndex(nodes->own - sweep->layout->levelBegin[1]), false) &
+         notBefore(a, k, b);
 }
 
 CT_INLINE bool addNodes(void* search, int own, int first, unsigned near) {
@@ -46,7 +45,8 @@ CT_INLINE bool addNodes(void* search, int own, int first, unsigned near) {
 static int listNodes(const Pass* pass, int own) {
   const Sweep* sweep = pass->sweep;
   NodeSearch nodes = {pass, own, snapshotBoxes(&sweep->snapshot, sweep->layout, treeParent(sweep->layout, 1, own)), 0};
-  descendBoxes(&nodes, sweep->layout, 2, memberOverOwn, membersNearOwn, addNodes);
+  const BoxVisitor visitor = {memberOverOwn, membersNearOwn, addNodes, false};
+  descendBoxes(&nodes, sweep->layout, 2, visitor);
   return nodes.count;
 }
 
