@@ -32,9 +32,14 @@
 #include <vector>
 %}
 
+/* Annotations use names of openmmchaintree.pyi, and are for the stub alone. */
+%pythonbegin %{
+from __future__ import annotations
+%}
+
 %pythoncode %{
 import copy
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy
 import openmm
@@ -83,11 +88,11 @@ class PlannedEnergy(NamedTuple):
 
     force: int
     name: str
-    kind: str
+    kind: Literal["not sampled", "constant", "native", "foreign"]
     reason: str
 
 
-class EnergyPlan(list):
+class EnergyPlan(list[PlannedEnergy]):
     """How the energy of each Force is evaluated: a list of PlannedEnergy that prints as a table."""
 
     def __str__(self):
@@ -397,46 +402,40 @@ static bool toInt(PyObject* object, const char* name, int& value) {
     return true;
 }
 
-/* Gives a new tuple of what a sequence holds: converting an item may run Python code, which could change a list. */
-static PyObject* toTuple(PyObject* object, const char* what, const char* name) {
+/* Converts each item of a sequence by a function that returns false on failure. The items are held in a tuple, since
+ * converting an item may run Python code, which could change a list. */
+template <class Convert>
+static bool forEach(PyObject* object, const char* what, const char* name, Convert convert) {
     PyObject* tuple = PySequence_Tuple(object);
     if (tuple == NULL && PyErr_ExceptionMatches(PyExc_TypeError))
         PyErr_Format(PyExc_TypeError, "%s must be a %s, not %s", name, what, Py_TYPE(object)->tp_name);
-    return tuple;
+    bool ok = tuple != NULL;
+    for (Py_ssize_t i = 0; ok && i < PyTuple_GET_SIZE(tuple); i++)
+        ok = convert(PyTuple_GET_ITEM(tuple, i));
+    Py_XDECREF(tuple);
+    return ok;
 }
 
-static PyObject* toTuple(PyObject* object, const char* name) {
-    return toTuple(object, "sequence", name);
+template <class Convert>
+static bool forEachWithoutUnit(PyObject* object, const char* unit, const char* name, Convert convert) {
+    PyObject* numbers = removeUnit(object, unit, name);
+    const bool ok = numbers != NULL && forEach(numbers, "sequence", name, convert);
+    Py_XDECREF(numbers);
+    return ok;
 }
 
 static bool toDoubles(PyObject* object, const char* unit, const char* name, std::vector<double>& values) {
-    PyObject* numbers = removeUnit(object, unit, name);
-    if (numbers == NULL)
-        return false;
-    PyObject* sequence = toTuple(numbers, name);
-    Py_DECREF(numbers);
-    if (sequence == NULL)
-        return false;
-    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
-    values.resize(count);
-    bool ok = true;
-    for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toDouble(PyTuple_GET_ITEM(sequence, i), unit, name, values[i]);
-    Py_DECREF(sequence);
-    return ok;
+    return forEachWithoutUnit(object, unit, name, [&](PyObject* item) {
+        values.emplace_back();
+        return toDouble(item, unit, name, values.back());
+    });
 }
 
 static bool toInts(PyObject* object, const char* name, std::vector<int>& values) {
-    PyObject* sequence = toTuple(object, name);
-    if (sequence == NULL)
-        return false;
-    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
-    values.resize(count);
-    bool ok = true;
-    for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toInt(PyTuple_GET_ITEM(sequence, i), name, values[i]);
-    Py_DECREF(sequence);
-    return ok;
+    return forEach(object, "sequence", name, [&](PyObject* item) {
+        values.emplace_back();
+        return toInt(item, name, values.back());
+    });
 }
 
 static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM::Vec3& value) {
@@ -452,20 +451,10 @@ static bool toVec3(PyObject* object, const char* unit, const char* name, OpenMM:
 }
 
 static bool toVec3s(PyObject* object, const char* unit, const char* name, std::vector<OpenMM::Vec3>& values) {
-    PyObject* numbers = removeUnit(object, unit, name);
-    if (numbers == NULL)
-        return false;
-    PyObject* sequence = toTuple(numbers, name);
-    Py_DECREF(numbers);
-    if (sequence == NULL)
-        return false;
-    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
-    values.resize(count);
-    bool ok = true;
-    for (Py_ssize_t i = 0; ok && i < count; i++)
-        ok = toVec3(PyTuple_GET_ITEM(sequence, i), unit, name, values[i]);
-    Py_DECREF(sequence);
-    return ok;
+    return forEachWithoutUnit(object, unit, name, [&](PyObject* item) {
+        values.emplace_back();
+        return toVec3(item, unit, name, values.back());
+    });
 }
 }
 
@@ -603,19 +592,28 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
     $result = SWIG_AppendOutput($result, PyLong_FromLongLong(*$1));
 }
 
+%fragment("ToList", "header") {
+/* A list of what a function makes of each value. */
+template <class Value, class Convert>
+static PyObject* toList(const std::vector<Value>& values, Convert convert) {
+    PyObject* list = PyList_New(0);
+    for (const Value& value : values) {
+        PyObject* item = list == NULL ? NULL : convert(value);
+        if (item == NULL || PyList_Append(list, item) != 0)
+            Py_CLEAR(list);
+        Py_XDECREF(item);
+    }
+    return list;
+}
+}
+
 /* Lists of tuples, of which %pythonappend makes named ones. */
 %define %outputTuples(TYPE, FORMAT, VALUES, PYTHON)
-%typemap(out) std::vector<TYPE> {
+%typemap(out, fragment="ToList") std::vector<TYPE> {
     const std::vector<TYPE>& entries = $1;
-    $result = PyList_New(0);
-    for (const TYPE& entry : entries) {
-        PyObject* tuple = Py_BuildValue(FORMAT, VALUES);
-        if (tuple == NULL || PyList_Append($result, tuple) != 0) {
-            Py_XDECREF(tuple);
-            SWIG_fail;
-        }
-        Py_DECREF(tuple);
-    }
+    $result = toList(entries, [](const TYPE& entry) { return Py_BuildValue(FORMAT, VALUES); });
+    if ($result == NULL)
+        SWIG_fail;
 }
 %typemap(doctype) std::vector<TYPE> PYTHON
 %enddef
@@ -686,7 +684,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 
 %extend ChainTreePlugin::TorsionMonteCarloIntegrator {
 %pythoncode %{
-    def computeSystemTemperature(self):
+    def computeSystemTemperature(self) -> Quantity:
         """Get the temperature of the heat bath, a Quantity in K: the one that sampling has, since nothing moves in time.
 
         StateDataReporter shows it in place of a kinetic temperature.
@@ -738,7 +736,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
     }
 %pythoncode %{
     @staticmethod
-    def cast(object):
+    def cast(object: openmm.BASE) -> CLASS:
         """Give an object back the class that it is.
 
         Parameters
@@ -805,7 +803,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
     __hash__ = None
 
     @staticmethod
-    def fromTable(values, floor=0.0):
+    def fromTable(values: npt.ArrayLike, floor: float = 0.0) -> TorsionDensity:
         """Create a density that is constant in each bin of a grid, which cuts the circle of each torsion into bins of
         equal width. The first bin of each begins at -pi.
 
@@ -825,7 +823,9 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
         return TorsionDensity._fromTable(values.shape, values.ravel(), floor)
 
     @staticmethod
-    def fromRotamers(weights, means, widths, floor):
+    def fromRotamers(
+        weights: _Vector, means: npt.ArrayLike | Quantity, widths: npt.ArrayLike | Quantity, floor: float
+    ) -> TorsionDensity:
         """Create a density that is a sum of rotamers. Each of them is drawn as often as its weight says, and then each
         of its torsions from a bell about its mean: a cubic B-spline, wrapped around the circle, which differs from a
         normal density of the same standard deviation by 4% of its height at most, and ends after 3.46 deviations.
@@ -853,7 +853,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
             raise ValueError(f"means and widths must have a row for each of {len(weights)} rotamers")
         return TorsionDensity._fromRotamers(weights, *(values.ravel() for values in arrays), floor)
 
-    def getTable(self):
+    def getTable(self) -> _Floats:
         """Get the values that fromTable() was given. It is an error if this is a sum of rotamers.
 
         Returns
@@ -864,7 +864,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
         numBins, values = self._getTable()
         return values.reshape(numBins)
 
-    def getRotamers(self):
+    def getRotamers(self) -> tuple[_Floats, _Floats, _Floats]:
         """Get what fromRotamers() was given. It is an error if this is a table.
 
         Returns
@@ -903,48 +903,32 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %fragment("DrawnSets", "header", fragment="FromPython") {
 /* Sets of torsions; a number alone is a set of one. */
 static bool toSets(PyObject* object, const char* name, std::vector<std::vector<int> >& sets) {
-    PyObject* sequence = toTuple(object, name);
-    if (sequence == NULL)
+    return forEach(object, "sequence", name, [&](PyObject* item) {
+        sets.emplace_back();
+        if (PySequence_Check(item))
+            return toInts(item, name, sets.back());
+        sets.back().resize(1);
+        return toInt(item, name, sets.back()[0]);
+    });
+}
+
+static bool addDensity(PyObject* object, std::vector<ChainTreePlugin::TorsionDensity>& densities) {
+    void* density;
+    if (!SWIG_IsOK(SWIG_ConvertPtr(object, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL)))
         return false;
-    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
-    sets.resize(count);
-    bool ok = true;
-    for (Py_ssize_t i = 0; ok && i < count; i++) {
-        PyObject* item = PyTuple_GET_ITEM(sequence, i);
-        if (!PySequence_Check(item)) {
-            sets[i].resize(1);
-            ok = toInt(item, name, sets[i][0]);
-        }
-        else
-            ok = toInts(item, name, sets[i]);
-    }
-    Py_DECREF(sequence);
-    return ok;
+    densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
+    return true;
 }
 
 /* A density, or a sequence of densities. */
 static bool toDensities(PyObject* object, const char* name, std::vector<ChainTreePlugin::TorsionDensity>& densities) {
-    void* density;
-    if (SWIG_IsOK(SWIG_ConvertPtr(object, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL))) {
-        densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
-        return true;
-    }
-    PyObject* sequence = toTuple(object, "TorsionDensity or a sequence of them", name);
-    if (sequence == NULL)
+    const char* const what = "TorsionDensity or a sequence of them";
+    return addDensity(object, densities) || forEach(object, what, name, [&](PyObject* item) {
+        if (addDensity(item, densities))
+            return true;
+        PyErr_Format(PyExc_TypeError, "%s must be a %s, not of %s", name, what, Py_TYPE(item)->tp_name);
         return false;
-    Py_ssize_t count = PyTuple_GET_SIZE(sequence);
-    bool ok = true;
-    for (Py_ssize_t i = 0; ok && i < count; i++) {
-        PyObject* item = PyTuple_GET_ITEM(sequence, i);
-        ok = SWIG_IsOK(SWIG_ConvertPtr(item, &density, $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_NO_NULL));
-        if (ok)
-            densities.push_back(*(ChainTreePlugin::TorsionDensity*) density);
-        else
-            PyErr_Format(PyExc_TypeError, "%s must be a TorsionDensity or a sequence of them, not of %s", name,
-                         Py_TYPE(item)->tp_name);
-    }
-    Py_DECREF(sequence);
-    return ok;
+    });
 }
 }
 
@@ -965,31 +949,24 @@ static bool toDensities(PyObject* object, const char* name, std::vector<ChainTre
     $1 = &values;
 }
 %typemap(argout) const std::vector<std::vector<int> >& torsions, const std::vector<ChainTreePlugin::TorsionDensity>& densities ""
-%typemap(argout) std::vector<std::vector<int> >& torsions {
-    PyObject* list = PyList_New(0);
-    for (const std::vector<int>& set : *$1) {
-        PyObject* tuple = PyTuple_New(set.size());
-        for (size_t i = 0; tuple != NULL && i < set.size(); i++)
-            PyTuple_SET_ITEM(tuple, i, PyLong_FromLong(set[i]));
-        if (tuple == NULL || PyList_Append(list, tuple) != 0) {
-            Py_XDECREF(tuple);
-            SWIG_fail;
-        }
-        Py_DECREF(tuple);
-    }
+%typemap(argout, fragment="ToList") std::vector<std::vector<int> >& torsions {
+    PyObject* list = toList(*$1, [](const std::vector<int>& set) {
+        PyObject* indices = toList(set, [](int index) { return PyLong_FromLong(index); });
+        PyObject* tuple = indices == NULL ? NULL : PyList_AsTuple(indices);
+        Py_XDECREF(indices);
+        return tuple;
+    });
+    if (list == NULL)
+        SWIG_fail;
     $result = SWIG_AppendOutput($result, list);
 }
-%typemap(argout) std::vector<ChainTreePlugin::TorsionDensity>& densities {
-    PyObject* list = PyList_New(0);
-    for (const ChainTreePlugin::TorsionDensity& density : *$1) {
-        PyObject* item = SWIG_NewPointerObj(new ChainTreePlugin::TorsionDensity(density),
-                                            $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_OWN);
-        if (item == NULL || PyList_Append(list, item) != 0) {
-            Py_XDECREF(item);
-            SWIG_fail;
-        }
-        Py_DECREF(item);
-    }
+%typemap(argout, fragment="ToList") std::vector<ChainTreePlugin::TorsionDensity>& densities {
+    PyObject* list = toList(*$1, [](const ChainTreePlugin::TorsionDensity& density) {
+        return SWIG_NewPointerObj(new ChainTreePlugin::TorsionDensity(density),
+                                  $descriptor(ChainTreePlugin::TorsionDensity*), SWIG_POINTER_OWN);
+    });
+    if (list == NULL)
+        SWIG_fail;
     $result = SWIG_AppendOutput($result, list);
 }
 
@@ -1010,7 +987,12 @@ def _setsAndDensities(torsions, density):
 
 %extend ChainTreePlugin::TorsionMonteCarloIntegrator {
 %pythoncode %{
-    def addDrawnMove(self, weight, torsions, density=None):
+    def addDrawnMove(
+        self,
+        weight: float,
+        torsions: DrawnTorsions | Sequence[int | Sequence[int]],
+        density: TorsionDensity | Sequence[TorsionDensity] | None = None,
+    ) -> int:
         """Add a move that draws new values of torsions from a density, independent of the old ones. A trial chooses one
         of some sets of torsions with equal probability, such as all torsions of a side chain or phi and psi of a
         residue. With p the density of the set, q its present values and q' the drawn ones, it is accepted with
@@ -1042,7 +1024,13 @@ def _setsAndDensities(torsions, density):
         """
         return self._addDrawnMove(weight, *_setsAndDensities(torsions, density))
 
-    def setDrawnMoveParameters(self, move, weight, torsions, density=None):
+    def setDrawnMoveParameters(
+        self,
+        move: int,
+        weight: float,
+        torsions: DrawnTorsions | Sequence[int | Sequence[int]],
+        density: TorsionDensity | Sequence[TorsionDensity] | None = None,
+    ) -> None:
         """Set the parameters of a move that was added by addDrawnMove(). It is an error if the move is of another kind.
         The next trial follows them. The counts of the move restart from 0.
 
@@ -1072,7 +1060,7 @@ def _setsAndDensities(torsions, density):
         SWIG_fail;
 }
 %typemap(doctype) double "float or Quantity"
-%typemap(doctype) double&, double weight, double hop, double getPotentialEnergy "float"
+%typemap(doctype) double&, double weight, double hop, double scale, double width, double getPotentialEnergy "float"
 %typemap(argout, fragment="FromPython") double& {
     $result = SWIG_AppendOutput($result, addUnit(*$1, ChainTreePlugin::MoveKind::findUnit("$symname", "$1_name").c_str()));
 }
