@@ -316,37 +316,22 @@ static PythonSignals pythonSignals;
 }
 %enddef
 
-%freesPython(ChainTreePlugin::StericExclusionForce::updateParametersInContext)
-%freesPython(ChainTreePlugin::StericExclusionForce::hasClash)
-%freesPython(ChainTreePlugin::StericExclusionForce::getClashes)
-%freesPython(ChainTreePlugin::StericExclusionForce::getNeighborPairs)
-%freesPython(ChainTreePlugin::StericExclusionForce::getMinimumDistance)
-%freesPython(ChainTreePlugin::StericExclusionForce::getClashesWith)
-%freesPython(ChainTreePlugin::StericExclusionForce::proposeTorsions)
-%freesPython(ChainTreePlugin::StericExclusionForce::proposeBallRotations)
-%freesPython(ChainTreePlugin::StericExclusionForce::proposeRigidMotion)
-%freesPython(ChainTreePlugin::StericExclusionForce::getProposedPositions)
-%freesPython(ChainTreePlugin::StericExclusionForce::getChangedNeighborPairs)
-%freesPython(ChainTreePlugin::StericExclusionForce::acceptProposal)
-%freesPython(ChainTreePlugin::StericExclusionForce::rejectProposal)
-%freesPython(ChainTreePlugin::StericExclusionForce::restartLimits)
-%freesPython(ChainTreePlugin::StericExclusionForce::getTorsionAngles)
-%freesPython(ChainTreePlugin::StericExclusionForce::setTorsionAngles)
-%freesPython(ChainTreePlugin::StericExclusionForce::getNumToleratedClashes)
-%freesPython(ChainTreePlugin::StericExclusionForce::getTraversalStatistics)
-%freesPython(ChainTreePlugin::StericExclusionForce::resetTraversalStatistics)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getTorsionAngles)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::setTorsionAngles)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getNumToleratedClashes)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getEnergyPlan)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getPotentialEnergy)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::renewStandIns)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::resetMoveStatistics)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::checkVelocities)
-%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::getStericModeInContext)
+%define %forceFreesPython(NAME)
+%freesPython(ChainTreePlugin::StericExclusionForce::NAME)
+%enddef
+%formacro(%forceFreesPython,
+          updateParametersInContext, hasClash, getClashes, getNeighborPairs, getMinimumDistance, getClashesWith,
+          proposeTorsions, proposeBallRotations, proposeRigidMotion, getProposedPositions,
+          getChangedNeighborPairs, acceptProposal, rejectProposal, restartLimits, getTorsionAngles,
+          setTorsionAngles, getNumToleratedClashes, getTraversalStatistics, resetTraversalStatistics)
+
+%define %integratorFreesPython(NAME)
+%freesPython(ChainTreePlugin::TorsionMonteCarloIntegrator::NAME)
+%enddef
+%formacro(%integratorFreesPython,
+          getTorsionAngles, setTorsionAngles, getNumToleratedClashes, getEnergyPlan, getPotentialEnergy,
+          renewStandIns, getStageStatistics, getOuterStatistics, getMoveStatistics, resetMoveStatistics,
+          checkVelocities, getStericModeInContext)
 
 /* ---- From Python ---- */
 
