@@ -66,7 +66,7 @@ def _members(node, known, header):
 
 
 def _declare(name, text, header):
-    """Return a method with the types of its docstring, where results are parameters marked as out, and of the header."""
+    """Return a method with types of its docstring, where results are parameters marked as out, and of the header."""
     parameters, results = ["self"], []
     for parameter, kind, mark in _PARAMETER.findall(text):
         if mark == ", out":

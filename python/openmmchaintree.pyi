@@ -1,3 +1,6 @@
+# The part of the stub that makeStub.py cannot find elsewhere. It adds the classes, fields and methods that are missing.
+# ruff: noqa: F401, F821
+
 """The classes that SWIG wraps.
 
 Numbers are in nm, rad, kJ/mol and K. Where an argument may have a unit, a Quantity of that dimension is taken, too; an

@@ -107,12 +107,12 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
     """Add moves for all torsions, ball joints and molecules; return the MoveAdder."""
     adder = MoveAdder(integrator, scene.findRings())
     shares = _sharesOf(scene)
-    for name, addMoves in _MIXTURES.items():
-        if scene.torsions[name]:
-            adder.begin(_NAMES[name], shares[name])
-            addMoves(adder, scene, disordered)
+    for group, (shortName, addMoves) in _MIXTURES.items():
+        if scene.torsions[group]:
+            adder.begin(shortName, shares[group])
+            addMoves(adder, scene, group, disordered)
     if adder.inRings and not adder.hasClosed and scene.canClose(sorted(adder.inRings)):
-        adder.begin("rings", sum(shares[name] for name in _MIXTURES))
+        adder.begin("rings", sum(shares[group] for group in _MIXTURES))
         adder.close(1, _CLOSED_STEP, sorted(adder.inRings), "rings of closures")
     if scene.force.getNumBallJoints() > 0:
         adder.begin("beads", shares["beads"])
@@ -149,8 +149,8 @@ def _sharesOf(scene):
     return shares
 
 
-def _addPeptideBackbones(adder, scene, disordered):
-    torsions = scene.torsions["peptide backbones"]
+def _addPeptideBackbones(adder, scene, group, disordered):
+    torsions = scene.torsions[group]
     if disordered:
         drawn = adder.findDrawn(ramachandranDensities, scene)
         adder.drawOrTurn("loose chains, by residue", "by residue", 0.4, drawn, torsions)
@@ -191,8 +191,8 @@ def _addFoldedBackbones(adder, scene, torsions, ends, weights):
     adder.turn("how parts of a chain lie to each other", weights.pivots, _PIVOT_STEP, torsions)
 
 
-def _addSideChains(adder, scene, disordered):
-    torsions = scene.torsions["side chains"]
+def _addSideChains(adder, scene, group, disordered):
+    torsions = scene.torsions[group]
     ends = [] if disordered else adder.outsideRings(scene.endsOf(torsions))
     ofEnds = _shareOf(ends, torsions, _ENDS_OF_SIDE_CHAINS)
     ofAll = 1 - ofEnds
@@ -209,8 +209,8 @@ def _addSideChains(adder, scene, disordered):
     adder.draw("side chains of ends of chains, by rotamers", "of ends rotamers", 0.75 * ofEnds, atEnds)
 
 
-def _addNucleotideBackbones(adder, scene, disordered):
-    torsions = scene.torsions["nucleotide backbones"]
+def _addNucleotideBackbones(adder, scene, group, disordered):
+    torsions = scene.torsions[group]
     if disordered:
         adder.turn("loose chains, by some degrees", 0.5, 30, torsions)
         adder.turn("loose chains, drawn uniformly", 0.5, HALF_TURN, torsions)
@@ -218,12 +218,8 @@ def _addNucleotideBackbones(adder, scene, disordered):
     _addFoldedBackbones(adder, scene, torsions, adder.outsideRings(scene.endsOf(torsions)), _NUCLEOTIDES)
 
 
-def _addBases(adder, scene, disordered):
-    _turnAndDraw(adder, "bases", scene.torsions["bases"])
-
-
-def _addPeptideBonds(adder, scene, disordered):
-    torsions = scene.torsions["peptide bonds"]
+def _addPeptideBonds(adder, scene, group, disordered):
+    torsions = scene.torsions[group]
     if not _areMinor(scene):
         _turnAndDraw(adder, "other torsions", torsions, _PIVOT_STEP)
         return
@@ -236,16 +232,12 @@ def _addPeptideBonds(adder, scene, disordered):
         adder.turn("peptide bonds, by a little", 0.4 * (1 - ofRings), _PIVOT_STEP, torsions)
 
 
-def _addRotors(adder, scene, disordered):
-    _turnAndDraw(adder, "rotors" if scene.hasEnergies else "other torsions", scene.torsions["rotors"])
+def _addOthers(adder, scene, group, disordered):
+    _turnAndDraw(adder, group if group in ("bases", "planar groups") else "other torsions", scene.torsions[group])
 
 
-def _addPlanarGroups(adder, scene, disordered):
-    _turnAndDraw(adder, "planar groups", scene.torsions["planar groups"])
-
-
-def _addOthers(adder, scene, disordered):
-    _turnAndDraw(adder, "other torsions", scene.torsions["others"])
+def _addRotors(adder, scene, group, disordered):
+    _turnAndDraw(adder, "rotors" if scene.hasEnergies else "other torsions", scene.torsions[group])
 
 
 def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
@@ -253,24 +245,14 @@ def _turnAndDraw(adder, words, torsions, step=_TORSION_STEP):
     adder.turn(f"{words}, drawn uniformly", 0.5, HALF_TURN, torsions)
 
 
-# The functions that add moves for each group of torsions, and the groups' short names in tables.
+# The groups of torsions, with their short names in tables and the functions that add their moves.
 _MIXTURES = {
-    "peptide backbones": _addPeptideBackbones,
-    "side chains": _addSideChains,
-    "nucleotide backbones": _addNucleotideBackbones,
-    "bases": _addBases,
-    "peptide bonds": _addPeptideBonds,
-    "rotors": _addRotors,
-    "planar groups": _addPlanarGroups,
-    "others": _addOthers,
-}
-_NAMES = {
-    "peptide backbones": "φ/ψ",
-    "side chains": "χ",
-    "nucleotide backbones": "α–ζ",
-    "bases": "χ of bases",
-    "peptide bonds": "ω",
-    "rotors": "rotor",
-    "planar groups": "planar",
-    "others": "others",
+    "peptide backbones": ("φ/ψ", _addPeptideBackbones),
+    "side chains": ("χ", _addSideChains),
+    "nucleotide backbones": ("α–ζ", _addNucleotideBackbones),
+    "bases": ("χ of bases", _addOthers),
+    "peptide bonds": ("ω", _addPeptideBonds),
+    "rotors": ("rotor", _addRotors),
+    "planar groups": ("planar", _addOthers),
+    "others": ("others", _addOthers),
 }

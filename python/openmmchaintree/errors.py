@@ -1,4 +1,4 @@
-"""Errors of the user's input."""
+"""Errors of the user's input, and the texts of other errors."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -31,3 +31,8 @@ class UnknownRadiusError(ValueError):
 
 class ClusterError(InputError):
     """An error of a scheduler or of workers on other machines, in one sentence that names them."""
+
+
+def firstLine(error: BaseException) -> str:
+    """Return the first line of the text of another package's error, or its class."""
+    return (str(error).strip() or type(error).__name__).splitlines()[0]

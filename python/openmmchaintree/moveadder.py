@@ -51,10 +51,10 @@ class MoveAdder:
         self._name = name
         self._share = share
 
-    def add(self, purpose, size, addMove, weight):
-        """Add a move by a function that takes its weight."""
+    def add(self, purpose, size, weight, addMove, *parameters):
+        """Add a move by a method of the integrator that takes a weight and parameters."""
         share = float(f"{self._share * weight:.3g}")
-        index = addMove(share)
+        index = addMove(share, *parameters)
         self.added.append(AddedMove(index, self.integrator.getMoveDescription(index), purpose))
         self.named.append(NamedMove(f"{self._name} {size}", share))
 
@@ -62,12 +62,8 @@ class MoveAdder:
         """Add a move that turns one of some torsions, without torsions in rings of closures."""
         torsions = self.outsideRings(torsions)
         if torsions:
-            self.add(
-                purpose,
-                f"{where}±{degrees}°",
-                lambda share: self.integrator.addTorsionMove(share, degrees * _DEGREE, torsions),
-                weight,
-            )
+            size = f"{where}±{degrees}°"
+            self.add(purpose, size, weight, self.integrator.addTorsionMove, degrees * _DEGREE, torsions)
 
     def findDrawn(self, findDensities, scene):
         """Return (torsions, density) pairs of residues, without pairs with torsions in rings of closures."""
@@ -81,7 +77,7 @@ class MoveAdder:
         """Add a move that draws one of the sets of (torsions, density) pairs."""
         if drawn:
             sets, densities = map(list, zip(*drawn, strict=True))
-            self.add(purpose, size, lambda share: self.integrator.addDrawnMove(share, sets, densities), weight)
+            self.add(purpose, size, weight, self.integrator.addDrawnMove, sets, densities)
 
     def drawOrTurn(self, purpose, size, weight, drawn, torsions):
         """Add a move that draws pairs, and one that draws torsions uniformly that are in no pair."""
@@ -94,36 +90,23 @@ class MoveAdder:
     def close(self, weight, degrees, torsions, purpose="backbones: the rest stays where it is"):
         """Add a closed move of backbones, perhaps with torsions in rings."""
         self.hasClosed = True
-        self.add(
-            purpose,
-            f"closed {degrees}°",
-            lambda share: self.integrator.addClosedMove(share, degrees * _DEGREE, torsions),
-            weight,
-        )
+        self.add(purpose, f"closed {degrees}°", weight, self.integrator.addClosedMove, degrees * _DEGREE, torsions)
 
     def bend(self, weight, degrees, stiffness, torsions, purpose="backbones and their ends: the rest hardly moves"):
         """Add a local move of backbones, without torsions in rings of closures."""
         torsions = self.outsideRings(torsions)
         if torsions:
-            self.add(
-                purpose,
-                f"local {degrees}°",
-                lambda share: self.integrator.addLocalMove(share, degrees * _DEGREE, stiffness, torsions),
-                weight,
-            )
+            size = f"local {degrees}°"
+            self.add(purpose, size, weight, self.integrator.addLocalMove, degrees * _DEGREE, stiffness, torsions)
 
     def pivot(self, purpose, weight, degrees):
         """Add a pivot move of all ball joints."""
-        self.add(purpose, f"±{degrees}°", lambda share: self.integrator.addPivotMove(share, degrees * _DEGREE), weight)
+        self.add(purpose, f"±{degrees}°", weight, self.integrator.addPivotMove, degrees * _DEGREE)
 
     def shift(self, purpose, weight, length, degrees, molecules):
         """Add a rigid-body move of molecules; the length is in nm."""
-        self.add(
-            purpose,
-            f"{length} nm, ±{degrees}°",
-            lambda share: self.integrator.addRigidBodyMove(share, length, degrees * _DEGREE, molecules),
-            weight,
-        )
+        size = f"{length} nm, ±{degrees}°"
+        self.add(purpose, size, weight, self.integrator.addRigidBodyMove, length, degrees * _DEGREE, molecules)
 
     def outsideRings(self, torsions):
         """Return the torsions that lie in no ring of a closure, so that any move may turn them."""

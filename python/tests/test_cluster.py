@@ -152,8 +152,8 @@ def test_aWorkerIsKilled(dask, runHere, tmp_path, whole, monkeypatch):
         pids = client.run(os.getpid)
     honest, killed = cluster.Cluster.submit, []
 
-    def submit(cluster, *arguments, worker=None):
-        task = honest(cluster, *arguments, worker=worker)
+    def submit(cluster, *arguments, worker=None, **options):
+        task = honest(cluster, *arguments, worker=worker, **options)
         if worker is not None and not killed:
             killed.extend(process for process in dask.workers if process.pid == pids[worker])
             kill(killed[0])

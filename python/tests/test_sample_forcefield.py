@@ -459,7 +459,7 @@ def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
 
 
 def test_outerTests(runHere, tmp_path):
-    """A force with a table, which the library cannot evaluate, is evaluated once in 20 trials; those taken back are in no other count."""
+    """A force with a table, which only OpenMM evaluates, is evaluated once in 20 trials; undone trials are not counted."""
     (tmp_path / "pull.xml").write_text(
         "<ForceField><Script>\n"
         "import openmm\n"

@@ -24,9 +24,32 @@ class Parser(argparse.ArgumentParser):
         sys.exit(BAD_INPUT)
 
 
-def positive(text):
-    """Read a whole number above 0."""
-    return wholeNumber(text, 1, 10**15)
+def numberIn(least, largest, read=float, kind="a number", form="g"):
+    """Return a function that reads a number in a range.
+
+    read : makes a number of this kind from a text; form : the format of numbers in errors
+    """
+
+    def readInRange(text):
+        try:
+            value = read(text)
+        except ValueError:
+            raise argparse.ArgumentTypeError(f"{text!r} is not {kind}") from None
+        if not least <= value <= largest:
+            raise argparse.ArgumentTypeError(f"{value:{form}} is not in the range {least:{form}} to {largest:{form}}")
+        return value
+
+    return readInRange
+
+
+def _wholeNumberIn(least, largest):
+    return numberIn(least, largest, int, "a whole number", "d")
+
+
+positive = _wholeNumberIn(1, 10**15)
+notNegative = _wholeNumberIn(0, 10**15)
+frameCount = _wholeNumberIn(1, 10**9)  # limited by the headers of trajectories
+seed = _wholeNumberIn(1, 2**31 - 1)
 
 
 def positiveUpTo(limit):
@@ -43,16 +66,6 @@ def positiveUpTo(limit):
     return read
 
 
-def frameCount(text):
-    """Read a number of frames, limited by the headers of trajectories."""
-    return wholeNumber(text, 1, 10**9)
-
-
-def notNegative(text):
-    """Read a whole number that is at least 0."""
-    return wholeNumber(text, 0, 10**15)
-
-
 def listOf(names):
     """Return a function that reads a list of the names, separated by commas."""
 
@@ -64,37 +77,6 @@ def listOf(names):
         return chosen
 
     return read
-
-
-def seed(text):
-    """Read the seed of a random number generator."""
-    return wholeNumber(text, 1, 2**31 - 1)
-
-
-def numberIn(least, largest):
-    """Return a function that reads a number in a range."""
-
-    def read(text):
-        try:
-            value = float(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
-        if not least <= value <= largest:
-            raise argparse.ArgumentTypeError(f"{value:g} is not in the range {least:g} to {largest:g}")
-        return value
-
-    return read
-
-
-def wholeNumber(text, least, largest):
-    """Read a whole number in a range."""
-    try:
-        value = int(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number") from None
-    if not least <= value <= largest:
-        raise argparse.ArgumentTypeError(f"{value} is not in the range {least} to {largest}")
-    return value
 
 
 def addScheduler(parser, what):

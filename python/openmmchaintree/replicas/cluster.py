@@ -11,7 +11,7 @@ from uuid import uuid4
 import openmm
 
 from .. import __version__
-from ..errors import ClusterError, InputError
+from ..errors import ClusterError, InputError, firstLine
 from .segment import runSegment
 
 _CONNECT_SECONDS = 10
@@ -33,7 +33,7 @@ def _ownVersions():
 
 
 class Cluster:
-    """The workers of a Dask scheduler; a context manager that closes the connection.
+    """The workers of a Dask scheduler.
 
     Submitted functions must be pure: if a worker is lost, the scheduler repeats its work, and results that it has not
     delivered, on another worker.
@@ -63,7 +63,7 @@ class Cluster:
                 warnings.simplefilter("ignore")
                 self._client = _connect(Client, address)
         except _REASONS as error:
-            raise InputError(f"--scheduler {address}: cannot be reached ({_firstLine(error)})") from error
+            raise InputError(f"--scheduler {address}: cannot be reached ({firstLine(error)})") from error
         try:
             self.checkWorkers()
         except BaseException:
@@ -77,7 +77,7 @@ class Cluster:
             raise ClusterError(f"--scheduler {self.address}: there are no workers")
         for worker, found in sorted(versions.items()):
             if isinstance(found, BaseException):
-                raise ClusterError(f"worker {worker}: cannot run openmm-chaintree ({_firstLine(found)})")
+                raise ClusterError(f"worker {worker}: cannot run openmm-chaintree ({firstLine(found)})")
             for name, theirs, ours in zip(_NAMES, found, _ownVersions(), strict=True):
                 if theirs != ours:
                     raise ClusterError(f"worker {worker}: has {name} {theirs}, but here is {ours}")
@@ -86,8 +86,11 @@ class Cluster:
         """Return the number of functions that the workers can run at a time."""
         return sum(self._asking(self._client.nthreads).values())
 
-    def submit(self, function, *arguments, worker=None):
-        """Submit a function; return its Task. It preferably runs on `worker`, an address."""
+    def submit(self, function, *arguments, worker=None, receive=None):
+        """Submit a function; return its Task. It preferably runs on `worker`, an address.
+
+        receive : a function that makes the Task's result from what the submitted function has returned
+        """
         self._tasks += 1
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # a Model can be larger than Dask advises
@@ -100,7 +103,7 @@ class Cluster:
                     allow_other_workers=worker is not None,
                 )
             )
-        return Task(self, future)
+        return Task(self, future, receive)
 
     def close(self):
         """Close the connection and drop all tasks."""
@@ -109,18 +112,12 @@ class Cluster:
         except Exception:  # from a lost connection
             pass
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *exception):
-        self.close()
-
     def _asking(self, ask):
         """Return the result of a function that calls the scheduler; convert its errors to ClusterError."""
         try:
             return ask()
         except Exception as error:
-            raise ClusterError(f"--scheduler {self.address}: {_firstLine(error)}") from error
+            raise ClusterError(f"--scheduler {self.address}: {firstLine(error)}") from error
 
     def _explain(self, error):
         """Return the exception to raise in place of Dask's."""
@@ -130,15 +127,16 @@ class Cluster:
             self.checkWorkers()  # perhaps a later worker has another version
         except ClusterError as reason:
             return reason
-        return ClusterError(f"--scheduler {self.address}: {type(error).__name__}: {_firstLine(error)}")
+        return ClusterError(f"--scheduler {self.address}: {type(error).__name__}: {firstLine(error)}")
 
 
 class Task:
     """A function that a worker runs, with the methods of a future that `Coordinator` needs."""
 
-    def __init__(self, cluster, future):
+    def __init__(self, cluster, future, receive):
         self._cluster = cluster
         self._future = future
+        self._receive = receive
 
     @property
     def asArgument(self):
@@ -150,7 +148,7 @@ class Task:
         self._future.add_done_callback(lambda _: callback(self))
 
     def result(self):
-        """Wait; return the function's result, or raise its exception.
+        """Wait; return the result, or raise the function's exception.
 
         Raises
         ------
@@ -158,11 +156,12 @@ class Task:
             if the workers or the scheduler failed
         """
         try:
-            return self._future.result()
+            answer = self._future.result()
         except (InputError, openmm.OpenMMException, KeyboardInterrupt):
             raise
         except BaseException as error:  # asyncio's CancelledError is not an Exception
             raise self._cluster._explain(error) from error
+        return answer if self._receive is None else self._receive(answer)
 
 
 class ClusterReplicas:
@@ -188,8 +187,14 @@ class ClusterReplicas:
     def submit(self, segment):
         """Submit a Segment, preferably to the worker that ran its replica last; return a future."""
         worker = self._workers.get(segment.replica)
-        task = self._cluster.submit(_runThere, _ownVersions(), self._model.asArgument, segment, worker=worker)
-        return _SegmentTask(task, self._workers)
+        arguments = _ownVersions(), self._model.asArgument, segment
+        return self._cluster.submit(_runThere, *arguments, worker=worker, receive=self._receive)
+
+    def _receive(self, answer):
+        """Record the worker in the answer of `_runThere`; return the SegmentResult."""
+        worker, result = answer
+        self._workers[result.replica] = worker
+        return result
 
     def stop(self):
         """Do nothing: workers finish their Segments, whose results are ignored."""
@@ -197,22 +202,6 @@ class ClusterReplicas:
     def close(self):
         """Close the Cluster."""
         self._cluster.close()
-
-
-class _SegmentTask:
-    """A Task of `_runThere` as a future of a SegmentResult. It records the worker."""
-
-    def __init__(self, task, workers):
-        self._task = task
-        self._workers = workers
-
-    def add_done_callback(self, callback):
-        self._task.add_done_callback(lambda _: callback(self))
-
-    def result(self):
-        worker, result = self._task.result()
-        self._workers[result.replica] = worker
-        return result
 
 
 def _connect(Client, address):
@@ -254,7 +243,3 @@ def _runThere(versions, model, segment):
         if theirs != ours:  # a worker that joined after the check
             raise InputError(f"worker {address}: has {name} {theirs}, but {ours} is needed")
     return address, runSegment(model, segment)
-
-
-def _firstLine(error):
-    return (str(error).strip() or type(error).__name__).splitlines()[0]

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 import gemmi
 
-from ..errors import InputError
+from ..errors import InputError, firstLine
 from ..extras import importExtra
 from .elements import NO_ELEMENT, findElements
 from .limits import readAtMost
@@ -114,7 +114,7 @@ def _explaining(path, kind):
     except InputError:
         raise
     except Exception as error:
-        raise InputError(f"{path}: not {kind} file that can be read ({_firstLine(error)})") from error
+        raise InputError(f"{path}: not {kind} file that can be read ({firstLine(error)})") from error
 
 
 def _readMmCIF(path, text):
@@ -208,7 +208,3 @@ def _readPDB(path, data):
             for residue in chain:
                 residue.name = lines.residueNames.get(residue.name, residue.name)
     return structure, damage
-
-
-def _firstLine(error):
-    return (str(error).strip() or type(error).__name__).splitlines()[0]

@@ -24,10 +24,10 @@ _PIPE_SIZE = 1 << 18
 
 
 class Trajectory:
-    """A trajectory. As a context manager it closes itself.
+    """A trajectory.
 
-    `frames`, and iteration over all frames, yield pairs of the positions, a float64 array of shape (n, 3) in nm, and
-    the periodic box, an array of shape (3, 3) with one vector a row, or None.
+    `frames` yields pairs of the positions, a float64 array of shape (n, 3) in nm, and the periodic box, an array of
+    shape (3, 3) with one vector a row, or None.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Trajectory:
 
     Call `readHeader` first, which sets both.
 
-    Iteration raises an InputError at the first damaged frame, after the frames before it. A damaged file can do no
+    `frames` raises an InputError at the first damaged frame, after the frames before it. A damaged file can do no
     other harm, since a separate process reads it.
     """
 
@@ -84,9 +84,6 @@ class Trajectory:
         """
         self.announced, self.frameCount, self._unit = self._receive(0)
 
-    def __iter__(self):
-        return self.frames()
-
     def frames(self, begin=0, end=-1):
         """Return an iterator over frames begin to end - 1; end=-1: to the last frame.
 
@@ -105,12 +102,6 @@ class Trajectory:
             positions, box = received
             yield positions.astype("float64") * self._unit, box if box is not None and isBox(box) else None
             index += 1
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *exception):
-        self.close()
 
     def close(self):
         """End the reading process."""

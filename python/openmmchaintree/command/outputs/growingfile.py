@@ -8,7 +8,7 @@ from ...errors import InputError
 
 
 class GrowingFile:
-    """The unbuffered file of an Output. Closing it removes an incomplete piece.
+    """The unbuffered file of an Output; a context manager that closes it. Closing removes an incomplete piece.
 
     Attributes
     ----------
@@ -16,7 +16,7 @@ class GrowingFile:
         the number of complete bytes
     """
 
-    def __init__(self, output):
+    def begin(self, output):
         """Begin the file.
 
         Raises
@@ -28,8 +28,7 @@ class GrowingFile:
         self._file = output.open()
         self.size = 0
 
-    @classmethod
-    def goOn(cls, output, size, header, what, normalize=bytes, checksum=None):
+    def resume(self, output, size, header, what, normalize=bytes, checksum=None):
         """Resume an existing file: keep its first `size` bytes and remove the rest.
 
         Parameters
@@ -52,24 +51,28 @@ class GrowingFile:
         OutputError
             if it cannot be opened or truncated
         """
-        growing = cls.__new__(cls)
-        growing._output = output
-        growing._file = output.openThere()
+        self._output = output
+        self._file = output.openThere()
         try:
             with output.explainingErrors():
-                isOurs = normalize(growing._file.read(len(header))) == normalize(header)
-                isWhole = growing._file.seek(0, os.SEEK_END) >= size
-                isAsWritten = checksum is None or growing._checksumOf(size) == checksum
+                isOurs = normalize(self._file.read(len(header))) == normalize(header)
+                isWhole = self._file.seek(0, os.SEEK_END) >= size
+                isAsWritten = checksum is None or self._checksumOf(size) == checksum
             if not (isOurs and isWhole and isAsWritten):
                 raise InputError(f"{output.name}: is not the {what} that the run has written")
             with output.explainingErrors():
-                growing._file.truncate(size)
-                growing._file.seek(size)
+                self._file.truncate(size)
+                self._file.seek(size)
         except BaseException:
-            growing._file.close()
+            self._file.close()
             raise
-        growing.size = size
-        return growing
+        self.size = size
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *exception):
+        self.close()
 
     def _checksumOf(self, size):
         checksum = self._file.seek(0)

@@ -27,7 +27,7 @@ def trajectoryNames(prefix, replicas, temperatures, byTemperature):
     return [f"{prefix}-{name}K.dcd" for name in names]
 
 
-class IndexFile:
+class IndexFile(GrowingFile):
     """A table (CSV) of all frames of all replicas, sorted by frame, then by replica.
 
     Frames and replicas are numbered from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
@@ -40,39 +40,29 @@ class IndexFile:
             size, self._checksum = mark
             if output.path.is_file() and _linesIn(output.path, size) != 1 + rows:
                 raise InputError(f"{output.name}: is not the index that the run has written")
-            self._file = GrowingFile.goOn(output, size, header, "index", checksum=self._checksum)
+            self.resume(output, size, header, "index", checksum=self._checksum)
             return
-        self._file, self._checksum = GrowingFile(output), 0
+        self.begin(output)
+        self._checksum = 0
         try:
-            self._append(header)
+            self.append(header)
         except BaseException:
-            self._file.close()
+            self.close()
             raise
 
     @property
     def mark(self):
         """The number of complete bytes, and their `zlib.crc32`."""
-        return self._file.size, self._checksum
+        return self.size, self._checksum
 
     def write(self, rows):
         """Add rows, each a sequence of column values."""
-        self._append("".join(map(_asLine, rows)).encode())
+        self.append("".join(map(_asLine, rows)).encode())
 
-    def _append(self, data):
-        self._file.append(data)
+    def append(self, data):
+        """Add bytes, and count them in the checksum."""
+        super().append(data)
         self._checksum = zlib.crc32(data, self._checksum)
-
-    def sync(self):
-        """Wait until all written data is on disk."""
-        self._file.sync()
-
-    def close(self):
-        """Close the file without an incomplete piece."""
-        self._file.close()
-
-    def remove(self):
-        """Remove the file, after it was closed."""
-        self._file.remove()
 
 
 def _linesIn(path, size):

@@ -24,8 +24,8 @@ def trialsOfAStep(interval, expectedFrames):
     return 1 if interval * expectedFrames <= _LARGEST_STEP else interval
 
 
-class TrajectoryFile:
-    """A DCD file, to which `write` adds a frame; a context manager that closes it.
+class TrajectoryFile(GrowingFile):
+    """A DCD file, to which `write` adds a frame.
 
     Trials have no time: a frame's step is the number of trials before it, at 1 ps each.
 
@@ -50,7 +50,6 @@ class TrajectoryFile:
             if the file cannot be written
         """
         self.frames = framesThere
-        self._output = output
         self._expectedFrames = expectedFrames
         self.interval = interval
         self._step = trialsOfAStep(interval, expectedFrames)
@@ -59,23 +58,18 @@ class TrajectoryFile:
         openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
         header = header.getvalue()
         if framesThere > 0:
-            size = len(header) + framesThere * self._frameSize
-            self._file = GrowingFile.goOn(output, size, header, "trajectory", _withoutCounts)
+            self.resume(output, len(header) + framesThere * self._frameSize, header, "trajectory", _withoutCounts)
         else:
-            self._file = GrowingFile(output)
+            self.begin(output)
         try:
             if framesThere > 0:
                 self._setCounts(framesThere)
             else:
-                self._file.append(header)
+                self.append(header)
                 self.write(positions)
         except BaseException:
             self.close()
             raise
-
-    def sync(self):
-        """Wait until all written data is on disk."""
-        self._file.sync()
 
     def write(self, positions):
         """Add positions, a float64 array of shape (n, 3) in nm.
@@ -88,19 +82,19 @@ class TrajectoryFile:
         axes = np.zeros(3, [("before", "<i4"), ("values", "<f4", len(positions)), ("after", "<i4")])
         axes["before"] = axes["after"] = 4 * len(positions)
         axes["values"] = 10 * positions.T
-        size = self._file.size
+        size = self.size
         try:
-            self._file.append(axes.tobytes())
+            self.append(axes.tobytes())
             self._setCounts(self.frames + 1)
         except OutputError as error:
-            self._file.size = size
+            self.size = size
             raise OutputError(f"{error}; {self.describe()}" if self.frames > 0 else str(error)) from error
         self.frames += 1
 
     def shorten(self, frames):
         """Remove all but the first `frames` frames."""
         if frames < self.frames:
-            self._file.size -= (self.frames - frames) * self._frameSize
+            self.size -= (self.frames - frames) * self._frameSize
             self.frames = frames
 
     def describe(self):
@@ -114,24 +108,14 @@ class TrajectoryFile:
             if self.frames > 0:
                 self._setCounts(self.frames)
         finally:
-            self._file.close()
+            super().close()
         if self.frames == 0:
             self.remove()
 
-    def remove(self):
-        """Remove the file, after it was closed."""
-        self._file.remove()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *exception):
-        self.close()
-
     def _setCounts(self, frames):
         """Write the number of frames into the header."""
-        self._file.replace(_FRAME_COUNT, struct.pack("<i", frames))
-        self._file.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
+        self.replace(_FRAME_COUNT, struct.pack("<i", frames))
+        self.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
 
 
 def _withoutCounts(header):

@@ -5,11 +5,11 @@ import io
 
 import numpy as np
 from openmm import unit
-from rich.table import Table
 
 from ..terminal import printable
 from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
+from .tables import makeTable
 
 # Number of residues named per frame.
 _WORST_OF_A_FRAME = 5
@@ -118,75 +118,68 @@ def _printFrame(summary, search, frame, rows, console):
     names = search.finder.names
     clashes = sorted(_clashesOf(frame), key=lambda clash: clash[1], reverse=True)
     console.print(f"{_countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
-    table = _Table("worst clashes", ["overlap (nm)"], ["between", "and"])
-    table.print(clashes, lambda clash: (f"{clash[1]:.4f}", *(str(names[atom]) for atom in clash[0])), rows, console)
-    table = _Table("residues with most clashes", ["clashes", "worst overlap (nm)"], ["residue"])
-    table.print(
-        summary["residues"],
-        lambda entry: (entry["clashes"], f"{entry['worstOverlap']:.4f}", entry["residue"]),
-        rows,
-        console,
-    )
+
+    def describeClash(clash):
+        (first, second), overlap = clash
+        return f"{overlap:.4f}", str(names[first]), str(names[second])
+
+    def describeResidue(entry):
+        return entry["clashes"], f"{entry['worstOverlap']:.4f}", entry["residue"]
+
+    _printTable("worst clashes", ["overlap (nm)"], ["between", "and"], clashes, describeClash, rows, console)
+    headings = ["clashes", "worst overlap (nm)"], ["residue"]
+    _printTable("residues with most clashes", *headings, summary["residues"], describeResidue, rows, console)
 
 
 def _printFrames(summary, search, frames, rows, console):
     frames = sorted(frames, key=lambda frame: len(frame.pairs), reverse=True)
-    count = len(frames)
+    count, names = len(frames), search.finder.names
     word = "model" if summary["trajectory"] is None else "frame"
     console.print(
         f"{count:,} {word}s: {_countClashes(summary['clashesPerFrame'], '.1f')} a {word} "
         f"({len(frames[-1].pairs):,} to {len(frames[0].pairs):,}), "
         f"{summary['clashesPer1000Atoms']:.1f} per 1,000 atoms"
     )
-    table = _Table(f"{word}s with most clashes", [word, "clashes", "per 1,000 atoms", "worst (nm)"], ["between", "and"])
+
+    def describeFrame(frame):
+        worst = np.argmax(frame.overlaps)
+        counts = frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"
+        return *counts, f"{frame.overlaps[worst]:.4f}", *(str(names[atom]) for atom in frame.pairs[worst])
+
+    def describeShare(entry):
+        return f"{100 * entry['frames'] / count:.0f}", f"{entry['worstOverlap']:.4f}", entry["worstFrame"]
+
+    def describePair(entry):
+        return *describeShare(entry), *entry["atoms"]
+
+    def describeResidue(entry):
+        return f"{entry['clashes'] / count:.2f}", *describeShare(entry), entry["residue"]
+
     clashing = [frame for frame in frames if len(frame.pairs) > 0]
-    table.print(clashing, lambda frame: _countsAndWorst(frame, search.finder.names), rows, console)
-    table = _Table("most frequent clashes", [f"% of {word}s", "worst (nm)", f"in {word}"], ["between", "and"])
-    table.print(summary["pairs"], lambda entry: (*_shareAndWorst(entry, count), *entry["atoms"]), rows, console)
-    numbers = [f"a {word}", f"% of {word}s", "worst (nm)", f"in {word}"]
-    table = _Table("residues with most clashes", numbers, ["residue"])
-    table.print(
-        summary["residues"],
-        lambda entry: (f"{entry['clashes'] / count:.2f}", *_shareAndWorst(entry, count), entry["residue"]),
-        rows,
-        console,
-    )
-
-
-def _countsAndWorst(frame, names):
-    worst = np.argmax(frame.overlaps)
-    counts = frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"
-    return *counts, f"{frame.overlaps[worst]:.4f}", *(str(names[atom]) for atom in frame.pairs[worst])
-
-
-def _shareAndWorst(entry, frameCount):
-    return f"{100 * entry['frames'] / frameCount:.0f}", f"{entry['worstOverlap']:.4f}", entry["worstFrame"]
+    headings = [word, "clashes", "per 1,000 atoms", "worst (nm)"], ["between", "and"]
+    _printTable(f"{word}s with most clashes", *headings, clashing, describeFrame, rows, console)
+    shares = [f"% of {word}s", "worst (nm)", f"in {word}"]
+    headings = shares, ["between", "and"]
+    _printTable("most frequent clashes", *headings, summary["pairs"], describePair, rows, console)
+    headings = [f"a {word}", *shares], ["residue"]
+    _printTable("residues with most clashes", *headings, summary["residues"], describeResidue, rows, console)
 
 
 def _countClashes(count, form=","):
     return f"{count:{form}} {'clash' if count == 1 else 'clashes'}"
 
 
-class _Table:
-    """A table with a heading, columns of numbers, then columns of words. An empty table is not printed."""
+def _printTable(heading, numbers, words, entries, describe, rows, console):
+    """Print a table of the first `rows` entries, whose cells the function `describe` returns; none without entries.
 
-    def __init__(self, heading, numbers, words):
-        self._heading = heading
-        self._numbers = numbers
-        self._words = words
-
-    def print(self, entries, describe, rows, console):
-        """Print the first `rows` entries, whose cells the function `describe` returns."""
-        if not entries:
-            return
-        table = Table(box=None, pad_edge=False, header_style="bold")
-        for heading in self._numbers:
-            table.add_column(heading, justify="right")
-        for heading in self._words:
-            table.add_column(heading)
-        for entry in entries[:rows]:
-            table.add_row(*(f"{cell:,}" if isinstance(cell, int) else cell for cell in describe(entry)))
-        left = len(entries) - rows
-        console.print()
-        console.print(f"{self._heading}{f' ({left:,} more not shown)' if left > 0 else ''}:")
-        console.print(table)
+    numbers, words : the headings of its columns
+    """
+    if not entries:
+        return
+    table = makeTable([], numbers, words)
+    for entry in entries[:rows]:
+        table.add_row(*(f"{cell:,}" if isinstance(cell, int) else cell for cell in describe(entry)))
+    left = len(entries) - rows
+    console.print()
+    console.print(f"{heading}{f' ({left:,} more not shown)' if left > 0 else ''}:")
+    console.print(table)

@@ -1,6 +1,6 @@
 """The energies of a run, as tables for people and as JSON for programs, in kJ/mol."""
 
-from rich.table import Table
+from .tables import makeTable, percent
 
 
 def describeEnergies(energies):
@@ -83,10 +83,8 @@ def _forceLines(forces):
 
 
 def _stageTable(stages):
-    table = Table("decided by", box=None, pad_edge=False, header_style="bold")
-    for heading in ("trials", "refused", "%"):
-        table.add_column(heading, justify="right")
+    table = makeTable(["decided by"], ["trials", "refused", "%"])
     for stage in stages:
-        share = f"{100 * stage['refused'] / stage['computed']:.1f}"
-        table.add_row(stage["stage"], f"{stage['computed']:,}", f"{stage['refused']:,}", share)
+        computed, refused = stage["computed"], stage["refused"]
+        table.add_row(stage["stage"], f"{computed:,}", f"{refused:,}", percent(refused, computed))
     return table

@@ -1,11 +1,11 @@
 """The results of a run of replicas, as tables for people and as JSON for programs."""
 
 import numpy as np
-from rich.table import Table
 
 from ...openmmchaintree import MoveStatistics
 from ..energymodel import HARD
 from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
+from .tables import makeTable, percent
 
 
 def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupted, addedHydrogens):
@@ -134,11 +134,9 @@ def printReplicaReport(summary, console, isVerbose):
 
 def _temperatureTable(summary):
     """Make a table with a row for each temperature."""
-    table = Table("K", box=None, pad_edge=False, header_style="bold")
     hasOuterTests = any(temperature["outerTests"]["attempted"] for temperature in summary["temperatures"])
     headings = ["U (kJ/mol)", "±", "nm", "accepted %", *(["outer tests kept %"] if hasOuterTests else [])]
-    for heading in [*headings, *(["exchanged with the next %"] if summary["exchanges"] else [])]:
-        table.add_column(heading, justify="right")
+    table = makeTable(["K"], [*headings, *(["exchanged with the next %"] if summary["exchanges"] else [])])
     for number, temperature in enumerate(summary["temperatures"]):
         energy, radius, outer = (temperature[key] for key in ("potentialEnergy", "radiusOfGyration", "outerTests"))
         attempted, accepted = (sum(move[key] for move in temperature["moves"]) for key in ("attempted", "accepted"))
@@ -147,19 +145,15 @@ def _temperatureTable(summary):
             _format(energy["mean"], ",.1f"),
             _format(energy["standardDeviation"], ",.1f"),
             _format(radius["mean"], ".3f"),
-            _share(accepted, attempted),
+            percent(accepted, attempted),
         ]
         if hasOuterTests:
-            cells.append(_share(outer["accepted"], outer["attempted"]))
+            cells.append(percent(outer["accepted"], outer["attempted"]))
         if number < len(summary["exchanges"]):
             exchange = summary["exchanges"][number]
-            cells.append(_share(exchange["accepted"], exchange["attempted"]))
+            cells.append(percent(exchange["accepted"], exchange["attempted"]))
         table.add_row(*cells)
     return table
-
-
-def _share(part, whole):
-    return f"{100 * part / whole:.1f}" if whole else "–"
 
 
 def _format(value, form):

@@ -2,14 +2,13 @@
 
 from collections import Counter
 
-from rich.table import Table
-
 from ...naming import describeResidue
 from ...torsions import KINDS
 from ..energymodel import HARD
 from .energyreport import printEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
+from .tables import makeTable, percent
 
 # Outcomes of trials: keys of JSON, and headings of the table. Each trial has one outcome.
 _FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "rejected", "accepted": "accepted"}
@@ -156,15 +155,12 @@ def _printTrials(summary, console):
 def _moveTable(moves):
     """Make a table of the outcomes of each move's trials, with a column for impossible trials if there are any."""
     fates = [fate for fate in _FATES if fate != "notMade" or any(move["notMade"] for move in moves)]
-    table = Table("move", box=None, pad_edge=False, header_style="bold")
-    for heading in ("attempted", *(_FATES[fate] for fate in fates), "%"):
-        table.add_column(heading, justify="right")
+    table = makeTable(["move"], ["attempted", *(_FATES[fate] for fate in fates), "%"])
     rows = [(move["name"], *(move[key] for key in ("attempted", *fates))) for move in moves]
     if len(rows) > 1:
         rows.append(("all", *(sum(column) for column in list(zip(*rows, strict=True))[1:])))
     for name, attempted, *counts in rows:
-        share = f"{100 * counts[-1] / attempted:.1f}" if attempted else "–"
-        table.add_row(name, f"{attempted:,}", *(f"{count:,}" for count in counts), share)
+        table.add_row(name, f"{attempted:,}", *(f"{count:,}" for count in counts), percent(counts[-1], attempted))
     return table
 
 
