@@ -5,10 +5,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from openmm import unit
 from openmm.app import Residue
 
-from .components import connectedParts
 from .covalent import (
     WIDE,
     areAnglesOfBonds,
@@ -21,13 +19,14 @@ from .covalent import (
     nearPairs,
     shortestBonds,
 )
-from .images import isBox, makeWhole, nearestImage
-from .lengthunits import checkBondLengths
+from .graphs import connectedParts, neighborLists
+from .images import boxOf, makeWhole, nearestImage
 from .naming import describeResidue
 from .notes import Note, found
 from .pseudoatoms import atomicNumbers
 from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
 from .templates import isStandard, standardName, templateBonds
+from .units import checkBondLengths
 
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
 LONGEST_LINK = 0.4
@@ -77,6 +76,7 @@ class BondSearch:
 
     Attributes
     ----------
+    atoms : list of openmm.app.Atom
     bonds : list of (int, int)
         lower index first, sorted
     disulfides, metalBonds : list of (int, int)
@@ -109,11 +109,11 @@ class BondSearch:
         InputError
             if bonds are ten times too long or too short
         """
-        self._atoms = list(topology.atoms())
+        self.atoms = list(topology.atoms())
         self._residues = list(topology.residues())
         self._chains = [list(chain.residues()) for chain in topology.chains()]
-        self.residueOf = np.array([atom.residue.index for atom in self._atoms], dtype=int)
-        self.numbers = atomicNumbers(self._atoms)
+        self.residueOf = np.array([atom.residue.index for atom in self.atoms], dtype=int)
+        self.numbers = atomicNumbers(self.atoms)
         self._box = boxOf(topology) if positions is not None else None
         self.hasBox = self._box is not None
         self.positions = positions
@@ -147,7 +147,7 @@ class BondSearch:
                 continue
             if self.residueOf[pair[0]] != self.residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
                 if self._isLink(pair):
-                    atoms = [self._atoms[atom] for atom in pair]
+                    atoms = [self.atoms[atom] for atom in pair]
                     names = f"{atoms[0].name} and {atoms[1].name}, bonded in the Topology,"
                     self._addGap(*(atom.residue for atom in atoms), f"{names} are {self._distance(pair):.2f} nm apart")
                     continue
@@ -221,7 +221,7 @@ class BondSearch:
     def _looseResidues(self):
         """Return the residues whose atoms, without extra particles, their bonds do not connect."""
         atoms = np.flatnonzero(self.numbers > 0)
-        part = connectedParts(len(self._atoms), self._bondsWithin())[atoms]
+        part = connectedParts(len(self.atoms), self._bondsWithin())[atoms]
         first = np.full(len(self._residues), -1)
         first[self.residueOf[atoms][::-1]] = part[::-1]
         loose = np.unique(self.residueOf[atoms][part != first[self.residueOf[atoms]]])
@@ -314,7 +314,7 @@ class BondSearch:
                 continue
             reason = "the Topology has no bond between them"
             if self.positions is not None and ends:
-                names = " and ".join(self._atoms[end].name for end in ends)
+                names = " and ".join(self.atoms[end].name for end in ends)
                 reason = f"{names} are {self._distance(ends):.2f} nm apart"
             self._addGap(residue1, residue2, reason)
 
@@ -334,7 +334,7 @@ class BondSearch:
 
     def _isEndOfPolymer(self, atom, name):
         """Whether an atom named as the end of a link is one: it is bonded to a polymer's backbone."""
-        residue = self._atoms[atom].residue
+        residue = self.atoms[atom].residue
         if residue.name in CAPS:
             return True
         before = _atomNamed(_BACKBONE[name], residue)
@@ -343,7 +343,7 @@ class BondSearch:
         return _sorted(atom, before) in self._bonds
 
     def _isLink(self, pair):
-        name1, name2 = (self._atoms[atom].name for atom in pair)
+        name1, name2 = (self.atoms[atom].name for atom in pair)
         return (name1, name2) in LINKS or (name2, name1) in LINKS
 
     # ---- Across the periodic box, and by distance between residues ----
@@ -354,13 +354,10 @@ class BondSearch:
 
     def _bondNearAtoms(self):
         positions, numbers, residueOf = self.positions, self.numbers, self.residueOf
-        hasOther = np.zeros(len(self._atoms), dtype=bool)  # bonds to another residue
-        neighbors = [[] for _ in self._atoms]
-        for first, second in self._bonds:
-            neighbors[first].append(second)
-            neighbors[second].append(first)
-            if residueOf[first] != residueOf[second]:
-                hasOther[[first, second]] = True
+        hasOther = np.zeros(len(self.atoms), dtype=bool)  # bonds to another residue
+        neighbors = neighborLists(len(self.atoms), self._bonds)
+        pairs = np.array(list(self._bonds), dtype=int).reshape(-1, 2)
+        hasOther[pairs[residueOf[pairs[:, 0]] != residueOf[pairs[:, 1]]]] = True
         bound = np.array([not isWater(residue) for residue in self._residues])[residueOf]
         sulfurs = np.flatnonzero((numbers == _SULFUR) & bound & ~hasOther)
         nearSulfurs = sulfurs[nearPairs(positions[sulfurs], _LONGEST_DISULFIDE)]
@@ -396,7 +393,7 @@ class BondSearch:
             return not hasOther[list(pair)].any()
         if (numbers == _SULFUR).all():
             return all(self._isThiol(atom, neighbors[atom]) for atom in pair)
-        residues = [self._atoms[atom].residue for atom in pair]
+        residues = [self.atoms[atom].residue for atom in pair]
         if all(map(_isPolymer, residues)) or not canBond(numbers, [len(neighbors[atom]) for atom in pair]):
             return False
         # Clashing atoms can be as near, but rarely at the angles of bonds. Single atoms are ions, or marks of programs.
@@ -404,7 +401,7 @@ class BondSearch:
 
     def _isThiol(self, atom, neighbors):
         """Whether a sulfur can form a disulfide: it has at most one bond, and none to a hydrogen."""
-        if aminoAcid(self._atoms[atom].residue.name) is not None and self._atoms[atom].name != "SG":
+        if aminoAcid(self.atoms[atom].residue.name) is not None and self.atoms[atom].name != "SG":
             return False  # of methionine, which may lack an atom
         return len(neighbors) < 2 and not any(self.numbers[other] == _HYDROGEN for other in neighbors)
 
@@ -452,7 +449,7 @@ class BondSearch:
 
     def describePair(self, pair):
         """Return two atoms and their distance in words."""
-        names = [f"{describeResidue(self._atoms[atom].residue)} {self._atoms[atom].name}" for atom in pair]
+        names = [f"{describeResidue(self.atoms[atom].residue)} {self.atoms[atom].name}" for atom in pair]
         return f"{names[0]} – {names[1]}, {self._distance(pair):.3f} nm"
 
     def _areOneResidue(self, pair):
@@ -471,30 +468,6 @@ class BondSearch:
             return distances
         images = np.linalg.norm(nearestImage(vectors, self._box), axis=-1)
         return np.where((distances > LONGEST_LINK) & (images <= _LONGEST_ACROSS_THE_BOX), images, distances)
-
-
-def polymerLinks(atoms, bonds):
-    """Yield the pairs of atoms whose bonds link residues of a polymer, each in the order of the chain.
-
-    Parameters
-    ----------
-    atoms : list of openmm.app.Atom
-    bonds : iterable of (int, int)
-    """
-    for bond in bonds:
-        for atom1, atom2 in (bond, bond[::-1]):
-            first, second = atoms[atom1], atoms[atom2]
-            if first.residue is not second.residue and (first.name, second.name) in LINKS:
-                yield first, second
-
-
-def boxOf(topology):
-    """Return the periodic box of a Topology as a (3, 3) float64 array in nm, a vector a row; None without one."""
-    vectors = topology.getPeriodicBoxVectors()
-    if vectors is None:
-        return None
-    box = np.array(vectors.value_in_unit(unit.nanometer), dtype=np.float64)
-    return box if isBox(box) else None
 
 
 def _atomNamed(name, residue):

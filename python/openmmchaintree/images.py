@@ -1,8 +1,9 @@
 """Periodic boxes, and molecules that are split over them, made whole along their bonds."""
 
 import numpy as np
+from openmm import unit
 
-from .components import connectedParts
+from .graphs import connectedParts, growTrees, neighborLists
 
 # A narrower box (nm) means that there is none: some programs write 1 Å, or zeros.
 _LEAST_WIDTH = 0.5
@@ -11,6 +12,15 @@ _LEAST_WIDTH = 0.5
 def isBox(vectors):
     """Whether vectors, a (3, 3) array in nm with one vector a row, span a box that a molecule can be split over."""
     return leastWidth(vectors) >= _LEAST_WIDTH
+
+
+def boxOf(topology):
+    """Return the periodic box of a Topology as a (3, 3) float64 array in nm, a vector a row; None without one."""
+    vectors = topology.getPeriodicBoxVectors()
+    if vectors is None:
+        return None
+    box = np.array(vectors.value_in_unit(unit.nanometer), dtype=np.float64)
+    return box if isBox(box) else None
 
 
 def leastWidth(box):
@@ -78,22 +88,11 @@ def makeWhole(positions, bonds, box):
 
 def _shiftsOfParts(count, pairs, turns):
     """Return the (count, 3) numbers of box vectors to add to each part, so that bonds between parts are short."""
-    neighbors = [[] for _ in range(count)]
+    turnOf = {}
     for (first, second), turn in zip(pairs.tolist(), turns, strict=True):
-        neighbors[first].append((second, -turn))
-        neighbors[second].append((first, turn))
+        turnOf.setdefault((first, second), -turn)
+        turnOf.setdefault((second, first), turn)
     shifts = np.zeros((count, 3), dtype=int)
-    isPlaced = np.zeros(count, dtype=bool)
-    for start in range(count):
-        if isPlaced[start]:
-            continue
-        isPlaced[start] = True
-        pending = [start]
-        while pending:
-            part = pending.pop()
-            for other, turn in neighbors[part]:
-                if not isPlaced[other]:
-                    isPlaced[other] = True
-                    shifts[other] = shifts[part] + turn
-                    pending.append(other)
+    for part, parent in growTrees(neighborLists(count, pairs.tolist()), range(count)):
+        shifts[part] = shifts[parent] + turnOf[parent, part]
     return shifts

@@ -3,7 +3,7 @@
 import numpy as np
 
 from .bonds import BondGraph
-from .components import connectedParts
+from .graphs import connectedParts, growTrees, neighborLists
 
 
 class Links:
@@ -38,30 +38,13 @@ class Links:
         marked[self.ofAtom[atoms]] = True
         beyond = marked.copy()  # whether the subtree of a link has one of the atoms
         between = np.zeros(len(self.ends), dtype=bool)
-        for link, parent, torsion in reversed(self._growTrees(np.flatnonzero(marked))):
+        joining = {(link1, link2): torsion for torsion, (link1, link2) in enumerate(self.ends.tolist())}
+        neighbors = neighborLists(self.count, joining)
+        for link, parent in reversed([*growTrees(neighbors, np.flatnonzero(marked).tolist())]):
+            torsion = joining[link, parent] if (link, parent) in joining else joining[parent, link]
             between[torsion] = beyond[link]
             beyond[parent] |= beyond[link]
         return between
-
-    def _growTrees(self, roots):
-        """Return (link, parent, torsion) of a tree over links for each molecule, from its first root, parents first."""
-        joined = [[] for _ in range(self.count)]
-        for torsion, (link1, link2) in enumerate(self.ends.tolist()):
-            joined[link1].append((link2, torsion))
-            joined[link2].append((link1, torsion))
-        reached = np.zeros(self.count, dtype=bool)
-        hung = []
-        for root in roots.tolist():
-            pending = [] if reached[root] else [root]
-            reached[root] = True
-            while pending:
-                parent = pending.pop()
-                for link, torsion in joined[parent]:
-                    if not reached[link]:
-                        reached[link] = True
-                        hung.append((link, parent, torsion))
-                        pending.append(link)
-        return hung
 
     def roots(self, atoms, traces):
         """Return the link of each molecule that stays in place, and whether it is more than a few atoms.

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import openmm
 
-from .components import connectedParts
+from .graphs import connectedParts, growTrees, neighborLists
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
 from .residues import polymerBackbone
 from .systemreading import checkParticles, drudeParticles, fixedParticles, hasPairEnergies
@@ -105,26 +105,18 @@ class MoveScene:
         """Return the torsions in rings of closures: on the path from one end of a closure's bond to the other."""
         if not self._closures:
             return set()
-        neighbors = [[] for _ in range(self._system.getNumParticles())]
         # All fixed particles are one part.
-        for one, other in [*self._bonds, *pairwise(fixedParticles(self._system).tolist())]:
-            neighbors[one].append(other)
-            neighbors[other].append(one)
+        bonds = [*self._bonds, *pairwise(fixedParticles(self._system).tolist())]
+        neighbors = neighborLists(self._system.getNumParticles(), bonds)
         axes = {}
         for index in range(self.force.getNumTorsions()):
             axes[frozenset(self.force.getTorsionParticles(index)[1:3])] = index
         found = set()
         for start, end in self._closures:
-            former = {start: None}
-            reached = [start]
-            for particle in reached:
-                for neighbor in neighbors[particle]:
-                    if neighbor not in former:
-                        former[neighbor] = particle
-                        reached.append(neighbor)
-            while former.get(end) is not None:
-                found.add(axes.get(frozenset((end, former[end]))))
-                end = former[end]
+            parents = dict(growTrees(neighbors, [start]))
+            while end in parents:
+                found.add(axes.get(frozenset((end, parents[end]))))
+                end = parents[end]
         return found - {None}
 
     def freeMolecules(self):

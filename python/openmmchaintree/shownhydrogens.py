@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .components import connectedParts
+from .graphs import connectedParts
 
 _H, _C, _N, _O, _S = 1, 6, 7, 8, 16
 

@@ -6,7 +6,8 @@ import numpy as np
 import openmm
 from openmm import app
 
-from .bonds import LOOPS, BondGraph, Closures, defaultClosures, ringBonds
+from .bonds import LOOPS, BondGraph, Closures, defaultClosures
+from .graphs import growTrees, ringBonds
 from .naming import describeResidue, nameAtom
 from .notes import Note, found, warnOf
 from .openmmchaintree import StericExclusionForce
@@ -204,19 +205,8 @@ def _ballJointsOf(graph, torsions, ballJoints):
     if ballJoints != "bonds":
         raise ValueError(f'ballJoints must be "bonds" or pairs of atoms, not {ballJoints!r}')
     stiff = ringBonds(graph.neighbors) | {tuple(sorted(torsion.particles[1:3])) for torsion in torsions}
-    joints, reached = [], [False] * len(graph.atoms)
-    for root in range(len(graph.atoms)):
-        pending = [] if reached[root] else [root]
-        reached[root] = True
-        while pending:
-            atom = pending.pop()
-            for other in graph.neighbors[atom]:
-                if not reached[other]:
-                    reached[other] = True
-                    pending.append(other)
-                    if (min(atom, other), max(atom, other)) not in stiff:
-                        joints.append((atom, other))
-    return sorted(joints)
+    trees = growTrees(graph.neighbors, range(len(graph.atoms)))
+    return sorted((parent, atom) for atom, parent in trees if (min(atom, parent), max(atom, parent)) not in stiff)
 
 
 def _torsionsOf(graph, topology, torsions, fixed):

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 import openmm
 from openmm import app, unit
 
-from .components import connectedParts
+from .graphs import connectedParts
 from .systemreading import bondsOf, drudeParticles
 
 # Masses (Da) of an element differ by less among force fields.

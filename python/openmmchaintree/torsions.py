@@ -8,7 +8,8 @@ import numpy as np
 from openmm import app
 from openmm.app import Residue
 
-from .bonds import BondGraph, Closures, neighborLists, polymerLinks, ringBonds
+from .bonds import BondGraph, Closures, polymerLinks
+from .graphs import neighborLists, ringBonds
 from .links import Links
 from .naming import describeResidue
 from .residues import (

@@ -1,10 +1,12 @@
-"""Conversion of numbers with and without units to the units of the plugin: nm, rad, kJ/mol, K."""
+"""Numbers with and without units, converted to the units of the plugin (nm, rad, kJ/mol, K); signs of a wrong unit."""
 
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 from openmm import unit
+
+from .errors import InputError
 
 Number: TypeAlias = float | unit.Quantity
 Array: TypeAlias = npt.ArrayLike | unit.Quantity
@@ -17,6 +19,9 @@ _DIMENSIONS = {
     "nm^-2": (unit.nanometer**-2, "an inverse square of a length (nm^-2)"),
     "1": (unit.dimensionless, "a number without unit"),
 }
+
+# The range of a molecule's median bond length in nm: about 0.10 with most bonds to hydrogen, 0.15 without hydrogens.
+_SHORTEST, _LONGEST = 0.09, 0.17
 
 
 def inUnit(value, symbol, name):
@@ -65,3 +70,20 @@ def positionsInNm(positions, count):
     if array.shape != (count, 3):
         raise ValueError(f"positions must have the shape ({count}, 3), not {array.shape}")
     return array
+
+
+def checkBondLengths(lengths):
+    """Raise an InputError if bond lengths, an array in nm, are about ten times too long or too short."""
+    if len(lengths) == 0:
+        return
+    median = float(np.median(lengths))
+    if 10 * _SHORTEST <= median <= 10 * _LONGEST:
+        raise InputError(
+            f"half of the bonds are longer than {median:.2f} nm, ten times as long as bonds are: positions in ångström "
+            "need their unit (positions * unit.angstrom) or a division by 10"
+        )
+    if _SHORTEST <= 10 * median <= _LONGEST:
+        raise InputError(
+            f"half of the bonds are shorter than {median:.4f} nm, a tenth of what bonds are: positions must be in nm, "
+            "and coordinates in PDB and mmCIF files in ångström"
+        )

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from openmmchaintree import StericExclusionForce
-from openmmchaintree.command.bondlengths import BondLengths
+from openmmchaintree.command.geometry import BondLengths
 
 
 def chain(count):

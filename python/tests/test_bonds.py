@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from openmm import app
 from openmmchaintree import InputError, findClashes
-from openmmchaintree.bonds import BondGraph, molecules
+from openmmchaintree.bonds import BondGraph
 from openmmchaintree.command.plan import Choice, Plan
+from openmmchaintree.graphs import connectedParts
 from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, bondNames, pdbLine, realStructurePath, writePDB
 
@@ -19,7 +20,7 @@ def read(path, *lines):
 
 def partsOf(topology):
     graph = BondGraph(topology)
-    return max(molecules(graph.neighbors)) + 1
+    return max(connectedParts(len(graph.atoms), graph.bonds)) + 1
 
 
 def renumbered(lines, *numbers):
@@ -155,7 +156,7 @@ def test_metals(tmp_path):
     assert structure.topology.getNumAtoms() == 9
     assert [note.kind for note in structure.notes] == ["bonds of metals found by distance"]
     graph = BondGraph(structure.topology, structure.positions, cutMetals=True)
-    assert graph.cut == graph.metalBonds == [(3, 8)] and max(molecules(graph.neighbors)) == 1
+    assert graph.cut == graph.metalBonds == [(3, 8)] and max(connectedParts(len(graph.atoms), graph.bonds)) == 1
     for other in (zinc.replace("ZN", "NA"), zinc[:38] + f"{7.9:8.3f}" + zinc[46:]):
         structure = read(tmp_path, *GLYCINES, other)
         assert structure.topology.getNumAtoms() == 8

@@ -2,7 +2,8 @@
 
 import numpy as np
 from openmmchaintree import findTorsions
-from openmmchaintree.bonds import BondGraph, molecules, neighborLists
+from openmmchaintree.bonds import BondGraph
+from openmmchaintree.graphs import connectedParts
 from openmmchaintree.links import Links
 from scenes import peptide
 
@@ -19,7 +20,7 @@ def test_torsionsBetweenAgainstCuttingEachOne():
         found = Links(graph, torsions).torsionsBetween(fixed)
         for torsion, isBetween in zip(torsions, found, strict=True):
             axis = frozenset(torsion.particles[1:3])
-            cut = molecules(neighborLists(len(graph.atoms), [b for b in graph.bonds if frozenset(b) != axis]))
+            cut = connectedParts(len(graph.atoms), [b for b in graph.bonds if frozenset(b) != axis])
             held = {cut[atom] for atom in fixed}
             assert isBetween == all(cut[atom] in held for atom in axis)
 

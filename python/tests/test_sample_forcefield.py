@@ -459,7 +459,7 @@ def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
 
 
 def test_outerTests(runHere, tmp_path):
-    """A force with a table, which only OpenMM evaluates, is evaluated once in 20 trials; undone trials are not counted."""
+    """A force with a table, which OpenMM evaluates, is evaluated once in 20 trials; undone trials are not counted."""
     (tmp_path / "pull.xml").write_text(
         "<ForceField><Script>\n"
         "import openmm\n"

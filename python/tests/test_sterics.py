@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from openmm import app, unit
 from openmmchaintree import createStericExclusionForce, findTorsions
-from openmmchaintree.bonds import molecules, neighborLists
+from openmmchaintree.graphs import connectedParts
 from scenes import peptide
 
 
@@ -19,7 +19,7 @@ def exclusionsOf(force):
 
 
 def moleculeCount(force):
-    return max(molecules(neighborLists(force.getNumParticles(), bondsOf(force)))) + 1
+    return max(connectedParts(force.getNumParticles(), bondsOf(force))) + 1
 
 
 def pairsWithin(count, bonds, cutoff):
@@ -171,7 +171,7 @@ def renamed(topology, name):
 def test_hemeMovesWithTheHistidineThatBindsIt(realStructure, cutMetals):
     structure = realStructure("4hhb.pdb")
     force = createStericExclusionForce(structure.topology, structure.positions, cutMetals=cutMetals)
-    molecule = molecules(neighborLists(force.getNumParticles(), bondsOf(force)))
+    molecule = connectedParts(force.getNumParticles(), bondsOf(force)).tolist()
     hemes = [residue for residue in structure.topology.residues() if residue.name == "HEM"]
     assert len(hemes) == 4
     for heme in hemes:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from openmm import app
 from openmmchaintree import findTorsions
-from openmmchaintree.bonds import neighborLists, ringBonds
+from openmmchaintree.graphs import neighborLists, ringBonds
 from openmmchaintree.residues import aminoAcid
 from scenes import HEAVY_ATOMS, peptide
 

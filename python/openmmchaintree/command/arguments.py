@@ -6,8 +6,7 @@ import sys
 
 from ..errors import InputError
 from ..notes import listFirst
-from .status import BAD_INPUT
-from .terminal import printError
+from .terminal import BAD_INPUT, printError
 
 
 class Parser(argparse.ArgumentParser):

@@ -12,8 +12,7 @@ from .outputs.outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs
 from .reports.clashranking import ClashRanking
 from .reports.clashreport import asCSV, plainFrames, printReport, summarize
 from .reports.noteoutput import addNotes, asText
-from .status import BAD_INPUT, ofSignal
-from .terminal import ReportConsole, interruptFlag, printError, progress
+from .terminal import BAD_INPUT, ReportConsole, interruptFlag, ofSignal, printError, progress
 
 _PROCESSES = Limit("CHAINTREE_MAX_PROCESSES", max(64, 4 * (os.cpu_count() or 1)))
 

@@ -11,8 +11,7 @@ from .. import __version__
 from ..errors import InputError
 from .arguments import Parser
 from .outputs.outputfiles import OutputError
-from .status import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED
-from .terminal import Terminated, interruptible, printError
+from .terminal import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED, Terminated, interruptible, printError
 
 _COMMANDS = {
     "sample": "sample the torsions of proteins and nucleic acids",

@@ -2,8 +2,7 @@
 
 from .outputs.outputfiles import asJSON
 from .reports.noteoutput import asText
-from .status import BAD_INPUT, BEYOND_LIMIT, ofSignal
-from .terminal import printError
+from .terminal import BAD_INPUT, BEYOND_LIMIT, ofSignal, printError
 
 
 def writeReports(writing, outputs, notes, summary):

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..bonds import DISULFIDES, LOOPS, BondGraph, defaultClosures
 from ..errors import InputError
+from ..graphs import neighborLists, ringBonds
 from ..links import Links
 from ..naming import describeResidue
 from ..notes import Note, listFirst
@@ -17,12 +18,12 @@ from ..torsions import (
     DISULFIDE_RING,
     KINDS_WITH_ENERGIES,
     METAL_RING,
+    bondsThatStay,
     ofAtoms,
     searchTorsions,
     withoutThoseBetween,
 )
 from ..unbonded import unbondedNeighbors
-from .rigidparts import describeRigidParts
 
 # Without energies: torsions of proteins and nucleic acids, except δ, which is in a ring, and ω and rotors.
 DEFAULT_KINDS = ("phi", "psi", "chi", "alpha", "beta", "gamma", "epsilon", "zeta")
@@ -162,7 +163,7 @@ class Plan:
         closing = [closure[1:3] for closure in graph.closures]
         mayClose = choice.close if isCloseChosen else closing
         self.closed = self._describeCuts(mayClose, closing, f"bond to close ({', '.join(choice.close)})")
-        self.rigid = describeRigidParts(graph, self.torsions, self.fixedAtoms) if choice.hasEnergies else None
+        self.rigid = _describeRigidParts(graph, self.torsions, self.fixedAtoms) if choice.hasEnergies else None
         self._checkUnbonded()
 
     def _moleculesWith(self, torsions):
@@ -227,3 +228,25 @@ def selectByOption(topology, option, selection):
         return selectAtoms(topology, selection)
     except ValueError as error:
         raise InputError(f"{option}: {error}") from error
+
+
+def _describeRigidParts(graph, torsions, fixed):
+    """Return a line on the rigid parts of a BondGraph under a list of Torsion; some atoms may be fixed."""
+    parts = ["bond lengths and angles"]
+    residueOf = [atom.residue for atom in graph.atoms]
+    within = [bond for bond in graph.bonds if residueOf[bond[0]] is residueOf[bond[1]]]
+    inRings = ringBonds(neighborLists(len(residueOf), within))
+    if inRings:
+        parts.append(f"rings ({', '.join(sorted({residueOf[bond[0]].name for bond in inRings}))})")
+    across = ringBonds(graph.neighbors) - inRings
+    if across:
+        parts.append(str(Note("bonds in rings of several residues", map(graph.describePair, sorted(across)))))
+    if graph.closures:
+        bonds = [[describeResidue(graph.atoms[atom].residue) for atom in closure[1:3]] for closure in graph.closures]
+        # A window in one ring keeps the others, so it may exclude torsions next to its closure.
+        beside = ", and some beside them" if len(bonds) > 1 else ""
+        parts.append(str(Note(f"turns about bonds that closed moves keep{beside}", map(" – ".join, bonds))))
+    stiff = bondsThatStay(graph, torsions, fixed)
+    if stiff:
+        parts.append(str(Note("bonds in no ring", map(graph.describePair, stiff))))
+    return "; ".join(parts)

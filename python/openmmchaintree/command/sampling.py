@@ -18,10 +18,9 @@ from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..replicas.segment import makeModel, splitTrials
 from ..sterics import makeForce
 from . import allpairs
-from .bondlengths import BondLengths
 from .energies import Energies
 from .energymodel import HARD, OFF, repeatablePlatform
-from .geometry import dihedrals, radiusOfGyration
+from .geometry import BondLengths, dihedrals, radiusOfGyration
 from .plan import Choice, Plan
 from .reports.energyreport import summarizeEnergies
 

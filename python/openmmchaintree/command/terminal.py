@@ -1,4 +1,4 @@
-"""Terminal output, signals and garbage collection of a running command."""
+"""Terminal output, exit statuses, signals and garbage collection of a running command."""
 
 import gc
 import re
@@ -10,9 +10,15 @@ from contextlib import contextmanager
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 
+# Exit statuses other than 0.
+BEYOND_LIMIT = 1  # a sampling run ended with pairs beyond their limit
+BAD_INPUT = 2
+INTERRUPTED = 130
+NOBODY_READS = 141  # the reader of the output has closed it
+TERMINATED = 143
+
 # Letters; about five lines of a terminal.
 _LONGEST_ERROR = 600
-
 
 # Characters that control a terminal: control characters except the line end, and directions of text.
 _COMMANDS = re.compile(r"[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
@@ -54,6 +60,11 @@ def printError(message, program="openmm-chaintree"):
     if len(text) > _LONGEST_ERROR:
         text = f"{text[: _LONGEST_ERROR * 2 // 3]} … {text[-_LONGEST_ERROR // 3 :]}"
     print(f"{program}: {text}", file=sys.stderr)
+
+
+def ofSignal(number):
+    """Return the exit status for a signal, as shells report it."""
+    return 128 + number
 
 
 class Terminated(KeyboardInterrupt):

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..bondsearch import boxOf
 from ..clashes import ClashFinder, FrameClashes, nameClashes
 from ..errors import InputError
 from ..imageclashes import WITH_IMAGES
+from ..images import boxOf
 from ..notes import Note, found
 from .structure import checkPositions, readModels, villinPath
 from .trajectory import Trajectory

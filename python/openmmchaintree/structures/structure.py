@@ -7,9 +7,8 @@ import numpy as np
 import openmm.app
 from openmm import unit
 
-from ..bondsearch import boxOf
 from ..errors import InputError
-from ..images import reducedBox
+from ..images import boxOf, reducedBox
 from ..naming import describeAtom, nameAtom
 from ..notes import Note
 from ..solute import selectSolute, subset
