@@ -10,7 +10,7 @@ import numpy as np
 from energytables import FOREIGN, ONE_ENERGY, STAGES, TWO_ENERGIES, findWrong, makeTables
 from forcefield import writeEnergy
 from measure import CPU, OURS, Row, hasCPU, makeParser, medianTime, run, timed
-from proteins import KT, NO_CUTOFF, REACTION_FIELD, TEMPERATURE, findStructures, prepare
+from proteins import KT, NO_CUTOFF, REACTION_FIELD, TEMPERATURE, prepare
 from race import Moves
 from rivals import turnAbout
 
@@ -187,10 +187,7 @@ class _TwoEnergies:
 
 
 def _plan(options):
-    if options.quick and options.trials is None:
-        options.trials = _QUICK_TRIALS
-    paths, skipped = findStructures(options, _FILES)
-    proteins = prepare(paths, _QUICK_TRIALS if options.quick else options.warm)
+    proteins, skipped = prepare(options, _FILES, _QUICK_TRIALS)
     rows = []
     if "work" in options.rows:
         methods = (REACTION_FIELD, NO_CUTOFF)

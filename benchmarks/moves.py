@@ -19,7 +19,6 @@ from proteins import (
     IMPLICIT_SOLVENT,
     NUCLEOTIDE_BACKBONE,
     SIDE_CHAINS,
-    findStructures,
     positionsOf,
     prepare,
 )
@@ -310,11 +309,7 @@ def _isSlower(inefficiencies):
 
 
 def _plan(options):
-    if options.quick and options.trials is None:
-        options.trials = _QUICK_TRIALS
-    paths, skipped = findStructures(options, _FILES)
-    warm = _QUICK_TRIALS if options.quick else options.warm
-    proteins = prepare(paths, warm, IMPLICIT_SOLVENT)
+    proteins, skipped = prepare(options, _FILES, _QUICK_TRIALS, IMPLICIT_SOLVENT)
     moves = SINGLE_MOVES[::6] if options.quick else SINGLE_MOVES
     rows = []
     if "moves" in options.rows:

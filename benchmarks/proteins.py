@@ -256,6 +256,13 @@ def readProtein(path=None):
     return Protein(nameOf(path), modeller.topology, positions)
 
 
-def prepare(paths, trials, method=REACTION_FIELD):
-    """Return the Proteins of paths, relaxed, each when it is asked for: functions by names."""
-    return {nameOf(path): cache(lambda path=path: readProtein(path).relaxed(trials, method)) for path in paths}
+def prepare(options, files, quickTrials, method=REACTION_FIELD):
+    """Return functions that make the Proteins to measure, relaxed, by names; and lines about files that are missing.
+
+    quickTrials : the number of trials of a quick run, and of its relaxation
+    """
+    if options.quick and options.trials is None:
+        options.trials = quickTrials
+    paths, skipped = findStructures(options, files)
+    trials = quickTrials if options.quick else options.warm
+    return {nameOf(path): cache(lambda path=path: readProtein(path).relaxed(trials, method)) for path in paths}, skipped

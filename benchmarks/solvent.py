@@ -14,7 +14,6 @@ from proteins import (
     NO_CUTOFF,
     SIDE_CHAINS,
     TRIALS_PER_OUTER_TEST,
-    findStructures,
     positionsOf,
     prepare,
 )
@@ -169,11 +168,7 @@ def _combineOuter(parts):
 
 
 def _plan(options):
-    if options.quick and options.trials is None:
-        options.trials = _QUICK_TRIALS
-    paths, skipped = findStructures(options, _FILES)
-    warm = _QUICK_TRIALS if options.quick else options.warm
-    proteins = prepare(paths, warm, IMPLICIT_SOLVENT)
+    proteins, skipped = prepare(options, _FILES, _QUICK_TRIALS, IMPLICIT_SOLVENT)
     makers = {"solvent": _solventRow, "whole": _wholeRow, "standins": _standInRow}
     return [makers[group](*one) for group in options.rows for one in proteins.items()], skipped
 
