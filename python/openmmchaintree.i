@@ -614,54 +614,32 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 
 /* ---- What is Python's own ---- */
 
+/* What Python makes of SWIG's result `val`. */
+%define %returns(METHOD, VALUE)
+%pythonappend METHOD %{
+    val = VALUE
+%}
+%enddef
+
 /* Parameters come back as OpenMM's own classes give them: as Quantities. */
-%define %returnsQuantity(METHOD, UNIT)
-%pythonappend METHOD %{
-    val = openmm.unit.Quantity(val, UNIT)
-%}
-%enddef
+%returns(ChainTreePlugin::StericExclusionForce::getOverlapTolerance, %arg(openmm.unit.Quantity(val, openmm.unit.nanometer)))
+%returns(ChainTreePlugin::StericExclusionForce::getHydrogenBondAllowance, %arg(openmm.unit.Quantity(val, openmm.unit.nanometer)))
+%returns(ChainTreePlugin::StericExclusionForce::getForceConstant, %arg(openmm.unit.Quantity(val, openmm.unit.kilojoule_per_mole / openmm.unit.nanometer**2)))
+%returns(ChainTreePlugin::StericExclusionForce::getParticleParameters, %arg([openmm.unit.Quantity(val[0], openmm.unit.nanometer), val[1]]))
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getTemperature, %arg(openmm.unit.Quantity(val, openmm.unit.kelvin)))
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getStandInCutoffs, %arg(tuple(openmm.unit.Quantity(cutoff, openmm.unit.nanometer) for cutoff in val)))
 
-%returnsQuantity(ChainTreePlugin::StericExclusionForce::getOverlapTolerance, openmm.unit.nanometer)
-%returnsQuantity(ChainTreePlugin::StericExclusionForce::getHydrogenBondAllowance, openmm.unit.nanometer)
-%returnsQuantity(ChainTreePlugin::StericExclusionForce::getForceConstant, openmm.unit.kilojoule_per_mole / openmm.unit.nanometer**2)
-%returnsQuantity(ChainTreePlugin::TorsionMonteCarloIntegrator::getTemperature, openmm.unit.kelvin)
-
-%pythonappend ChainTreePlugin::StericExclusionForce::getParticleParameters %{
-    val[0] = openmm.unit.Quantity(val[0], openmm.unit.nanometer)
-%}
 /* Lists of different things would all be Any to a type checker. */
-%define %returnsTuple(METHOD)
-%pythonappend METHOD %{
-    val = tuple(val)
-%}
-%enddef
-
-%returnsTuple(ChainTreePlugin::StericExclusionForce::getClashes)
-%returnsTuple(ChainTreePlugin::StericExclusionForce::getNeighborPairs)
-%returnsTuple(ChainTreePlugin::StericExclusionForce::getClashesWith)
-%returnsTuple(ChainTreePlugin::StericExclusionForce::getChangedNeighborPairs)
-
-%pythonappend ChainTreePlugin::StericExclusionForce::getMinimumDistance %{
-    val = MinimumDistance(*val)
-%}
-%pythonappend ChainTreePlugin::StericExclusionForce::getTraversalStatistics %{
-    val = TraversalStatistics(*val)
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics %{
-    val = MoveStatistics(*val)
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics %{
-    val = OuterStatistics(*val)
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getStandInCutoffs %{
-    val = tuple(openmm.unit.Quantity(cutoff, openmm.unit.nanometer) for cutoff in val)
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics %{
-    val = [StageStatistics(*counts) for counts in val]
-%}
-%pythonappend ChainTreePlugin::TorsionMonteCarloIntegrator::getEnergyPlan %{
-    val = EnergyPlan(PlannedEnergy(*entry) for entry in val)
-%}
+%returns(ChainTreePlugin::StericExclusionForce::getClashes, tuple(val))
+%returns(ChainTreePlugin::StericExclusionForce::getNeighborPairs, tuple(val))
+%returns(ChainTreePlugin::StericExclusionForce::getClashesWith, tuple(val))
+%returns(ChainTreePlugin::StericExclusionForce::getChangedNeighborPairs, tuple(val))
+%returns(ChainTreePlugin::StericExclusionForce::getMinimumDistance, MinimumDistance(*val))
+%returns(ChainTreePlugin::StericExclusionForce::getTraversalStatistics, TraversalStatistics(*val))
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getMoveStatistics, MoveStatistics(*val))
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getOuterStatistics, OuterStatistics(*val))
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getStageStatistics, [StageStatistics(*counts) for counts in val])
+%returns(ChainTreePlugin::TorsionMonteCarloIntegrator::getEnergyPlan, EnergyPlan(PlannedEnergy(*entry) for entry in val))
 
 /* Integrator's own wrapper of step() handles threads and exceptions; the class is not abstract without it. */
 %ignore ChainTreePlugin::TorsionMonteCarloIntegrator::step;

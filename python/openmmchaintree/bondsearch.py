@@ -21,7 +21,7 @@ from .covalent import (
 )
 from .graphs import connectedParts, neighborLists
 from .images import boxOf, makeWhole, nearestImage
-from .naming import describeResidue
+from .naming import describeResidue, nameAtom
 from .notes import Note, found
 from .pseudoatoms import atomicNumbers
 from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
@@ -449,8 +449,8 @@ class BondSearch:
 
     def describePair(self, pair):
         """Return two atoms and their distance in words."""
-        names = [f"{describeResidue(self.atoms[atom].residue)} {self.atoms[atom].name}" for atom in pair]
-        return f"{names[0]} – {names[1]}, {self._distance(pair):.3f} nm"
+        names = " – ".join(str(nameAtom(self.atoms[atom])) for atom in pair)
+        return f"{names}, {self._distance(pair):.3f} nm"
 
     def _areOneResidue(self, pair):
         return self.residueOf[pair[0]] == self.residueOf[pair[1]]

@@ -14,6 +14,11 @@ def listFirst(items: Iterable[str], separator: str = ", ") -> str:
     return separator.join([*items[:_NAMED], *more])
 
 
+def countOf(number: int, noun: str) -> str:
+    """Return a number of things in words: 1 atom, 2 atoms."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
 class Note:
     """One kind of observation, and where it occurs.
 

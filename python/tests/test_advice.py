@@ -51,7 +51,7 @@ def test_namedOptionsExist():
 @pytest.fixture
 def runHere(runCommandHere, monkeypatch):
     """A function that samples without drawing pictures, which takes longer."""
-    monkeypatch.setattr(sample, "_savePicture", lambda *arguments: None)
+    monkeypatch.setattr(sample, "savePicture", lambda *arguments: None)
     return lambda *arguments: runCommandHere("sample", *arguments)
 
 

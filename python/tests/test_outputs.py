@@ -16,8 +16,9 @@ import pytest
 from commands import assertRefused, filesIn
 from openmm import app
 from openmmchaintree.command import sample
-from openmmchaintree.command.outputs import outputfiles
-from openmmchaintree.command.outputs.outputfiles import Output, OutputError, Writing
+from openmmchaintree.command.outputs import output, outputfiles
+from openmmchaintree.command.outputs.output import Output, OutputError
+from openmmchaintree.command.outputs.outputfiles import Writing
 from openmmchaintree.command.outputs.trajectoryfile import TrajectoryFile
 from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
@@ -386,7 +387,7 @@ def test_interruptWhileAFileIsWritten(tmp_path, monkeypatch, overwrite, moment):
             interrupted()
 
     if moment == "replace":
-        monkeypatch.setattr(outputfiles.Path, "replace", interrupted)
+        monkeypatch.setattr(output.Path, "replace", interrupted)
     with pytest.raises(KeyboardInterrupt):
         Output(str(tmp_path / "a.json"), overwrite).write(pieces())
     assert filesIn(tmp_path) == (["a.json"] if overwrite else [])
@@ -410,7 +411,7 @@ class _InterruptedFile(io.FileIO):
 def test_interruptWithinAFrame(tmp_path, monkeypatch, bytesLeft):
     topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
     monkeypatch.setattr(_InterruptedFile, "bytesLeft", bytesLeft)
-    monkeypatch.setattr(outputfiles.io, "FileIO", _InterruptedFile)
+    monkeypatch.setattr(output.io, "FileIO", _InterruptedFile)
     positions = np.random.default_rng(1).random((5, 8, 3))
     with pytest.raises(KeyboardInterrupt):
         with TrajectoryFile(Output(str(tmp_path / "a.dcd")), topology, positions[0], 1, 10) as trajectory:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from openmm import app, unit
-from openmmchaintree.command.outputs.outputfiles import Output
+from openmmchaintree.command.outputs.output import Output
 from openmmchaintree.command.pictures import clashpicture, samplepicture
 from openmmchaintree.command.sampling import Frame
 from openmmchaintree.structures.clashsearch import ClashSearch

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from commands import COMMAND, assertRefused, filesIn
-from openmmchaintree.command import replicarun
+from openmmchaintree.command import replicarun, savedrun
 from openmmchaintree.command.outputs import outputfiles, replicafiles
 from openmmchaintree.command.outputs.replicafiles import ReplicaFiles
 from openmmchaintree.errors import InputError
@@ -440,14 +440,14 @@ def test_theFirstCheckpointFails(runHere, tmp_path, monkeypatch, name):
 
 def test_anotherRunHasReplacedIt(finished, runHere, tmp_path, monkeypatch):
     """A run that was read is gone on with only if no other one has written since."""
-    honest = replicarun.SavedRun.checkUnchanged
+    honest = savedrun.SavedRun.checkUnchanged
 
     def replaceFirst(saved):
         header, checkpoints = checkpointfile.readCheckpoint(tmp_path / "run.checkpoint")
         checkpointfile.writeCheckpoint(tmp_path / "run.checkpoint", {**header, "reports": []}, checkpoints.values())
         honest(saved)
 
-    monkeypatch.setattr(replicarun.SavedRun, "checkUnchanged", replaceFirst)
+    monkeypatch.setattr(savedrun.SavedRun, "checkUnchanged", replaceFirst)
     before = contents(tmp_path, "run")
     assertRefused(runHere("--resume", "run.checkpoint"), tmp_path, filesIn(tmp_path), "another run has written it")
     assert contents(tmp_path, "run") == before

@@ -75,14 +75,14 @@ def test_theStartIsFirst(runHere, tmp_path, villin):
 
 def test_aPairBeyondItsLimitIsReported(runHere, tmp_path, monkeypatch):
     """Were the engine wrong, the check of the last positions would say so: here an atom is put onto another."""
-    honest = Sampling._positions
+    honest = Sampling.positions
 
     def corrupt(sampling):
         positions = honest(sampling)
         positions[500] = positions[100]
         return positions
 
-    monkeypatch.setattr(Sampling, "_positions", corrupt)
+    monkeypatch.setattr(Sampling, "positions", corrupt)
     result = runHere("--trials", 100, "--frames", 1, "--json", "summary.json")
     assert result.returncode == 1
     assert "beyond its limit: " in result.stdout
@@ -92,7 +92,7 @@ def test_aPairBeyondItsLimitIsReported(runHere, tmp_path, monkeypatch):
 
 def test_aChangedBondIsReported(runHere, tmp_path, monkeypatch):
     """Were the engine wrong, the lengths of bonds would say so: here an atom moves by less than makes a clash."""
-    honest = Sampling._positions
+    honest = Sampling.positions
 
     def corrupt(sampling):
         positions = honest(sampling)
@@ -101,7 +101,7 @@ def test_aChangedBondIsReported(runHere, tmp_path, monkeypatch):
         positions[581] += 3e-9 / 0.125 * (positions[581] - positions[partner])
         return positions
 
-    monkeypatch.setattr(Sampling, "_positions", corrupt)
+    monkeypatch.setattr(Sampling, "positions", corrupt)
     result = runHere("--trials", 100, "--frames", 1, "--json", "summary.json")
     assert result.returncode == 1
     summary = json.loads((tmp_path / "summary.json").read_text())

@@ -78,6 +78,15 @@ def listOf(names):
     return read
 
 
+def addStructure(parser):
+    """Add the argument that names the structure."""
+    parser.add_argument(
+        "structure",
+        nargs="?",
+        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
+    )
+
+
 def addScheduler(parser, what):
     """Add the option for a scheduler whose workers do a job, described by `what`."""
     parser.add_argument(
@@ -85,6 +94,12 @@ def addScheduler(parser, what):
         metavar="ADDRESS",
         help=f"run {what} on the workers of a Dask scheduler, such as tcp://host:8786; needs the package distributed",
     )
+
+
+def checkWorkers(options):
+    """Refuse a number of workers beside a scheduler."""
+    if options.workers is not None and options.scheduler is not None:
+        raise InputError("--workers and --scheduler cannot be used together: a scheduler has its own workers")
 
 
 def usableCores():

@@ -7,8 +7,9 @@ from ..errors import ClusterError, InputError
 from ..radii import RADII_SETS
 from ..structures.clashsearch import ClashSearch
 from ..structures.limits import Limit
-from .arguments import addScheduler, positive, positiveUpTo
+from .arguments import addScheduler, addStructure, checkWorkers, positive, positiveUpTo
 from .outputs.outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
+from .pictures import savePicture
 from .reports.clashranking import ClashRanking
 from .reports.clashreport import asCSV, plainFrames, printReport, summarize
 from .reports.noteoutput import addNotes, asText
@@ -28,11 +29,7 @@ def addArguments(clashes):
         "error."
     )
     clashes.set_defaults(run=_run)
-    clashes.add_argument(
-        "structure",
-        nargs="?",
-        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
-    )
+    addStructure(clashes)
     clashes.add_argument(
         "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, used instead of its models"
     )
@@ -61,8 +58,7 @@ def addArguments(clashes):
 
 
 def _run(options):
-    if options.workers is not None and options.scheduler is not None:
-        raise InputError("--workers and --scheduler cannot be used together: a scheduler has its own workers")
+    checkWorkers(options)
     names = {"csv": options.csv, "json": options.json, "picture": options.picture, "notes": options.notes}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]
     outputs = checkOutputs(names, inputs, options.overwrite)
@@ -82,7 +78,7 @@ def _run(options):
     writers = {
         "csv": lambda output: output.write(asCSV(search, frames)),
         "json": lambda output: output.write(asJSONWith(summary, "frames", plainFrames(search, frames))),
-        "picture": lambda output: _savePicture(output, search, frames),
+        "picture": lambda output: savePicture("clashpicture", output, search, frames),
         "notes": lambda output: output.write(asText(search.notes)),
     }
     with Writing() as writing:
@@ -160,10 +156,3 @@ def _startWorkers(options, arguments):
 
 def _doNothing():
     """Stop nobody."""
-
-
-def _savePicture(output, search, frames):
-    # Matplotlib takes longer to import than most searches.
-    from .pictures.clashpicture import savePicture
-
-    savePicture(output, search, frames)

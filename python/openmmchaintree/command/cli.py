@@ -10,7 +10,7 @@ import openmm
 from .. import __version__
 from ..errors import InputError
 from .arguments import Parser
-from .outputs.outputfiles import OutputError
+from .outputs.output import OutputError
 from .terminal import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED, Terminated, interruptible, printError
 
 _COMMANDS = {

@@ -5,7 +5,7 @@ import re
 import sys
 
 from ..errors import InputError
-from .replicarun import SavedRun
+from .savedrun import SavedRun
 
 if sys.version_info >= (3, 11):
     import tomllib

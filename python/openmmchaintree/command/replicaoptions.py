@@ -7,7 +7,7 @@ from ..replicas.coordinator import RunPlan
 from ..replicas.ladder import REPLICAS, deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
 from ..structures.limits import checkMemory
-from .arguments import addScheduler, numberIn, positive, positiveUpTo, usableCores
+from .arguments import addScheduler, checkWorkers, numberIn, positive, positiveUpTo, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000
 _TRIALS_PER_ROUND = 10000  # without exchange
@@ -122,8 +122,7 @@ def readReplicaOptions(options):
                     f"--{name.replace('_', '-')} needs --replicas or --temperatures; --replicas 1 is a run of one"
                 )
         return None
-    if options.scheduler is not None and options.workers is not None:
-        raise InputError("--workers and --scheduler cannot be used together: a scheduler has its own workers")
+    checkWorkers(options)
     workers = options.workers or usableCores()
     interval = _CHECKPOINT_INTERVAL if options.checkpoint_interval is None else options.checkpoint_interval
     if temperatures is None:

@@ -1,6 +1,5 @@
 """Runs replicas for the command: from the start or from a checkpoint, to the end or until the user interrupts."""
 
-import os
 from hashlib import sha256
 from time import monotonic
 
@@ -8,20 +7,11 @@ import openmm
 
 from .. import __version__
 from ..errors import ClusterError, InputError
-from ..replicas.checkpointfile import nameTemporary, readCheckpoint, writeCheckpoint
+from ..replicas.checkpointfile import nameTemporary, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
-from ..replicas.schedule import Schedule
-from .outputs.outputfiles import OutputError, checkOutputs, encoded
+from .outputs.output import OutputError, encoded
 from .outputs.replicafiles import ReplicaFiles
-from .outputs.trajectoryfile import trialsOfAStep
-from .savedheader import findWrong, findWrongState
 from .terminal import interruptFlag, printError, progress
-
-# The kinds of outputs that are written at the end.
-REPORTS = ("picture", "notes", "json")
-
-# Settings that a resumed run may change.
-FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
 
 
 class ReplicaRun:
@@ -163,120 +153,6 @@ class ReplicaRun:
     def _whereItStopped(self):
         name = self._outputs["checkpoint"].name
         return f"--resume {name} continues the run from its last checkpoint"
-
-
-class SavedRun:
-    """The content of a checkpoint file. path : str; header : dict; checkpoints : dict of bytes by replica."""
-
-    def __init__(self, path):
-        """Read a file.
-
-        Raises
-        ------
-        InputError
-            if it is not a checkpoint
-        """
-        self.path = path
-        self.header, self.checkpoints = readCheckpoint(path)
-        self._refuse(findWrong(self.header))
-
-    def _refuse(self, wrong):
-        if wrong is not None:
-            raise InputError(f"{self.path}: is no checkpoint of this command: {wrong} is missing or wrong in it")
-
-    def checkState(self, plan, moves):
-        """Refuse a state that does not match a RunPlan with `moves` moves, or its replicas."""
-        state = self.header["state"]
-        self._refuse(findWrongState(state, plan, moves))
-        if sorted(self.checkpoints) != list(range(len(plan.seeds) if state["round"] > 0 else 0)):
-            self._refuse("the checkpoint of a replica")
-
-    def checkPath(self, name, path):
-        """Refuse a file named by settings that is not in the checkpoint's folder."""
-        folders = [os.path.dirname(os.path.realpath(each)) for each in (self.path, str(path))]
-        if folders[0] != folders[1]:
-            raise InputError(
-                f"{self.path}: {name} {path} is outside of its folder; give --{name} once more to write there"
-            )
-
-    def checkUnchanged(self):
-        """Refuse to resume if the file has changed since it was read: another run has resumed, or begun.
-
-        Raises
-        ------
-        InputError
-            if it has changed, or cannot be read
-        """
-        if readCheckpoint(self.path) != (self.header, self.checkpoints):
-            raise InputError(f"{self.path}: another run has written it meanwhile")
-
-    @property
-    def settings(self):
-        """The settings of the run."""
-        return self.header["settings"]
-
-    def checkSettings(self, settings):
-        """Refuse settings that differ from those of the run, except the number of trials."""
-        names = {*self.settings, *settings}.difference(FREE_SETTINGS, ("trials",))
-        for name in sorted(names):
-            if self.settings.get(name) != settings.get(name):
-                option = name if name == "structure" else f"--{name}"
-                raise InputError(f"--resume {self.path}: a resumed run keeps its settings, so not another {option}")
-
-    def framesOf(self, trials):
-        """Return the number of frames for a number of trials, with the interval between frames of the run.
-
-        Raises
-        ------
-        InputError
-            if it is less than the trials of the run, or not a multiple of the interval
-        """
-        former, interval = self.settings["trials"], self._schedule.interval
-        if trials == former:
-            return self.settings["frames"]
-        if trials < former:
-            raise InputError(
-                f"--resume {self.path}: a run of {former:,} trials can be continued to more, not to {trials:,}"
-            )
-        if trials % interval != 0:
-            raise InputError(f"--resume {self.path}: --trials has to be a multiple of the {interval:,} between frames")
-        return trials // interval
-
-    @property
-    def _schedule(self):
-        """The Schedule of the run, without its rounds."""
-        trials = self.settings["trials"]
-        return Schedule(trials, 1, -(-trials // self.settings["frames"]))
-
-    def checkSchedule(self, schedule, round):
-        """Refuse a Schedule that differs from the run's before a round."""
-        former = self._schedule._replace(trialsPerRound=schedule.trialsPerRound)
-        begins = [each.trialsBefore(round) for each in (former, schedule)]
-        frames = [each.trialsOfFrame(each.framesBefore(round)) for each in (former, schedule)]
-        steps = [trialsOfAStep(each.interval, 1 + each.frames) for each in (former, schedule)]
-        reasons = {
-            f"its last round ended after fewer than {schedule.trialsPerRound:,} of them": begins[0] != begins[1],
-            f"its last frame came after fewer than {former.interval:,} of them": frames[0] != frames[1],
-            "its trajectories cannot count them": steps[0] != steps[1],
-        }
-        for reason, isSo in reasons.items():
-            if isSo:
-                raise InputError(f"--resume {self.path}: the run cannot be continued to more trials, since {reason}")
-
-    def checkOutputs(self, names, inputs, overwrite):
-        """Return the Outputs of a resumed run, as `checkOutputs` does; files that the run has written may exist."""
-        if os.path.realpath(self.path) != os.path.realpath(names["checkpoint"]):
-            raise InputError(f"--resume {self.path}: the run writes its checkpoints to {names['checkpoint']}")
-        ours = {kind: name for kind, name in names.items() if kind not in REPORTS or self._hasWritten(name)}
-        others = {kind: name for kind, name in names.items() if kind not in ours}
-        return {**checkOutputs(ours, inputs, True), **checkOutputs(others, inputs, overwrite)}
-
-    def _hasWritten(self, name):
-        """Whether a file is an unchanged report of the run."""
-        if name is None or not os.path.isfile(name):
-            return False
-        with open(name, "rb") as file:
-            return sha256(file.read()).hexdigest() in self.header["reports"]
 
 
 class NotedReport:

@@ -7,11 +7,12 @@ from .ending import endRun, writeReports
 from .outputs.outputfiles import Writing, beginning
 from .outputs.replicafiles import readIndex, trajectoryNames
 from .outputs.scenefiles import removeScene, renewSettings, writeScene
+from .pictures import savePicture
 from .replicaoptions import makePlan
-from .replicarun import FREE_SETTINGS, REPORTS, NotedReport, ReplicaRun
-from .reports.energyreport import describeEnergies
-from .reports.planreport import describePlan
+from .replicarun import NotedReport, ReplicaRun
+from .reports.planreport import printPlan
 from .reports.replicareport import isBeyond, printReplicaReport, summarizeReplicas
+from .savedrun import FREE_SETTINGS, REPORTS
 
 _TRAJECTORY = "trajectory "
 
@@ -51,10 +52,7 @@ def _sampleBy(workers, model, prepared, choice, saved):
     try:
         with beginning(outputs.values()):
             _beginFiles(run, outputs, sampling.structure, settings, saved)
-        for line in describePlan(sampling.plan):
-            console.print(line)
-        if sampling.energies is not None:
-            console.print(describeEnergies(sampling.energies))
+        printPlan(sampling, console)
         console.print(_describeRun(run, choice))
         run.run()
 
@@ -76,7 +74,7 @@ def _sampleBy(workers, model, prepared, choice, saved):
         ]
         reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
         if summary["frames"] > 1:
-            writing.write(reports["picture"], lambda output: _savePicture(output, summary, index))
+            writing.write(reports["picture"], lambda output: savePicture("replicapicture", output, summary, index))
         summary["files"] = writing.files
         writeReports(writing, reports, sampling.notes, summary)
     finally:
@@ -112,10 +110,3 @@ def _describeRun(run, choice):
         kelvins = ", ".join(f"{temperature:.1f}" for temperature in plan.temperatures)
         words += f", which exchange the temperatures {kelvins} K every {plan.schedule.trialsPerRound:,} trials"
     return f"{words}; going on after {trials:,} trials of each" if trials else words
-
-
-def _savePicture(output, summary, index):
-    # Matplotlib takes longer to import than a short run.
-    from .pictures.replicapicture import saveReplicaPicture
-
-    saveReplicaPicture(output, summary, index)

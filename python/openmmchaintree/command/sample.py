@@ -11,25 +11,26 @@ from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
 from ..structures.structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
-from .arguments import frameCount, listOf, notNegative, numberIn, positive, seed
+from .arguments import addStructure, frameCount, listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
 from .forbidden import measureForbidden
 from .hydrogens import addHydrogens
-from .outputs.outputfiles import OutputError, Writing, addOverwrite, beginning, checkOutputs
+from .outputs.output import OutputError
+from .outputs.outputfiles import Writing, addOverwrite, beginning, checkOutputs
 from .outputs.scenefiles import removeScene, writeScene
 from .outputs.trajectoryfile import TrajectoryFile
+from .pictures import savePicture
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .replicaoptions import addReplicaOptions, readReplicaOptions
-from .replicarun import SavedRun
 from .replicasample import replicaNames, sampleReplicas
-from .reports.energyreport import describeEnergies
 from .reports.noteoutput import addNotes
-from .reports.planreport import describePlan
+from .reports.planreport import printPlan
 from .reports.samplereport import printReport, summarize
 from .sampling import Sampling
+from .savedrun import SavedRun
 from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
 
 __all__ = ["addArguments", "applySettings"]
@@ -78,11 +79,7 @@ def addArguments(sample):
     sample.epilog = _SELECTIONS
     sample.formatter_class = argparse.RawDescriptionHelpFormatter
     sample.set_defaults(run=_run, parser=sample)
-    sample.add_argument(
-        "structure",
-        nargs="?",
-        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
-    )
+    addStructure(sample)
     sample.add_argument(
         "--model", type=notNegative, default=0, metavar="K", help="the model to sample, from 0 (default: %(default)s)"
     )
@@ -222,14 +219,13 @@ def _sampleOne(prepared):
         with beginning(outputs.values()):
             trajectory = _beginFiles(outputs, sampling.structure, settings, options.trials, options.frames)
         with trajectory:
-            for line in describePlan(sampling.plan):
-                console.print(line)
-            if sampling.energies is not None:
-                console.print(describeEnergies(sampling.energies))
+            printPlan(sampling, console)
             writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
             interrupted, forbidden = _sample(sampling, options.trials, trajectory, writing.failures)
         if len(sampling.frames) > 1:
-            writing.write(outputs["picture"], lambda output: _savePicture(output, sampling.structure, sampling))
+            kinds, moves = [torsion.kind for torsion in sampling.torsions], [move.name for move in sampling.moves]
+            about = sampling.structure.name, sampling.frames, kinds, moves
+            writing.write(outputs["picture"], lambda output: savePicture("samplepicture", output, *about))
         summary = summarize(sampling, seed, writing.files, bool(interrupted), added, forbidden)
         writeReports(writing, outputs, sampling.notes, summary)
     finally:
@@ -305,11 +301,3 @@ def _sample(sampling, trials, trajectory, failures):
             printError(f"interrupted; {trajectory.describe()}")
             raise
         return interrupted, measureForbidden(sampling, interrupted)
-
-
-def _savePicture(output, structure, sampling):
-    # Matplotlib takes longer to import than a short run.
-    from .pictures.samplepicture import savePicture
-
-    kinds = [torsion.kind for torsion in sampling.torsions]
-    savePicture(output, structure.name, sampling.frames, kinds, [move.name for move in sampling.moves])

@@ -203,7 +203,7 @@ class Sampling:
             self.trials += count if not interrupts else self._attempted() - self.trials
             if not proceed():
                 break
-        positions = self._positions()
+        positions = self.positions()
         self._keepFrame(positions)
         return positions
 
@@ -224,17 +224,21 @@ class Sampling:
         """The steric mode, as in the option --steric: HARD or OFF."""
         return HARD if self.isHard else OFF
 
-    def overlaps(self, positions=None):
-        """Return the Overlaps of spheres at positions, by default the Context's, computed without the engine."""
-        return self._spheres.overlaps(self._orOurs(positions))
+    def positions(self):
+        """Return the positions of the Context, a float64 array of shape (n, 3) in nm."""
+        return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
-    def check(self, positions=None):
-        """Check positions, by default the Context's, by comparing all pairs without the engine: an allpairs.Verdict."""
+    def overlaps(self, positions):
+        """Return the Overlaps of spheres at positions, computed without the engine."""
+        return self._spheres.overlaps(positions)
+
+    def check(self, positions):
+        """Check positions by comparing all pairs without the engine: an allpairs.Verdict."""
         return allpairs.compare(self.startOverlaps, self.overlaps(positions))
 
-    def checkBonds(self, positions=None):
-        """Compare bond lengths at positions, by default the Context's, with the start: a BondVerdict."""
-        return self._bonds.compare(self._orOurs(positions))
+    def checkBonds(self, positions):
+        """Compare bond lengths at positions with the start: a BondVerdict."""
+        return self._bonds.compare(positions)
 
     def radiusOfGyration(self, positions):
         """Return the radius of gyration (nm) of the moving molecules."""
@@ -248,7 +252,7 @@ class Sampling:
 
     def energyByOpenMM(self):
         """Return U of the Context's positions by OpenMM's Reference platform, kJ/mol."""
-        return self.energies.byOpenMM(self._positions())[0]
+        return self.energies.byOpenMM(self.positions())[0]
 
     def model(self):
         """Return the Model of replicas with the same start as this run."""
@@ -268,13 +272,7 @@ class Sampling:
         """Return a summary of energies as plain dictionaries and lists; None for hard spheres alone."""
         if self.energies is None:
             return None
-        return summarizeEnergies(self.energies, self.frames, self._positions())
-
-    def _orOurs(self, positions):
-        return self._positions() if positions is None else positions
-
-    def _positions(self):
-        return self.context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
+        return summarizeEnergies(self.energies, self.frames, self.positions())
 
     def _keepFrame(self, positions):
         frame = Frame(

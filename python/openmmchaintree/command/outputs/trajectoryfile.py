@@ -8,7 +8,7 @@ import openmm.app
 from openmm import unit
 
 from .growingfile import GrowingFile
-from .outputfiles import OutputError
+from .output import OutputError
 
 # Positions in the DCD header of fields that each frame changes: the number of frames, the step of the last one.
 _FRAME_COUNT, _LAST_STEP = 8, 20

@@ -67,6 +67,12 @@ def addCountBar(image, axis, label):
     bar.minorticks_off()
 
 
+def groupThousands(axis):
+    """Write large numbers along an axis of trials with commas, and few of them."""
+    axis.xaxis.set_major_formatter("{x:,.0f}")
+    axis.locator_params(axis="x", nbins=5)
+
+
 def writeFigure(figure, output):
     """Write a Figure to an Output, in the format of its file extension."""
     content = io.BytesIO()

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from .figures import makeFigure, setTitle, writeFigure
+from .figures import groupThousands, makeFigure, setTitle, writeFigure
 
 _BINS = 40
 _WAYS = 4  # number of replicas whose paths are highlighted
 _SKIPPED = 0.25  # share of initial frames to skip
 
 
-def saveReplicaPicture(output, summary, table):
+def savePicture(output, summary, table):
     """Write the picture to an Output.
 
     Parameters
@@ -75,8 +75,7 @@ def _drawSizes(axis, table, isExchange):
         label = f"{value:.0f} K" if isExchange and value in (groups[0][0], groups[-1][0]) else None
         axis.plot(table["trials"][rows], table["radiusOfGyration"][rows], color=color, linewidth=0.8, label=label)
     axis.set(title="Radius of gyration", xlabel="trials", ylabel="nm")
-    axis.xaxis.set_major_formatter("{x:,.0f}")
-    axis.locator_params(axis="x", nbins=5)
+    groupThousands(axis)
     if isExchange:
         axis.legend(fontsize="small", frameon=False)
 
@@ -99,5 +98,4 @@ def _drawWays(axis, table, summary):
     axis.set(title=f"Ways of {len(shown)} replicas; {trips} round trips of all", xlabel="trials", ylabel="K")
     places = np.unique(np.linspace(0, len(temperatures) - 1, min(len(temperatures), 7)).astype(int))
     axis.set_yticks(places, [f"{temperatures[place]:.0f}" for place in places])
-    axis.xaxis.set_major_formatter("{x:,.0f}")
-    axis.locator_params(axis="x", nbins=5)
+    groupThousands(axis)

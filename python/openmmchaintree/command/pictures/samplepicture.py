@@ -5,7 +5,8 @@ Torsions are shown as Ramachandran plots if a residue has both φ and ψ, otherw
 
 import numpy as np
 
-from .figures import addCountBar, addLegendBelow, countNorm, makeFigure, setTitle, writeFigure
+from ...notes import countOf
+from .figures import addCountBar, addLegendBelow, countNorm, groupThousands, makeFigure, setTitle, writeFigure
 
 _BIN = 10  # degrees
 _EDGES = np.arange(-180, 181, _BIN)
@@ -55,11 +56,11 @@ def savePicture(output, name, frames, torsionKinds, moveNames):
 def _drawRamachandran(axes, frames, torsionKinds):
     phi, psi = np.degrees(frames[0].phiPsi).T
     axes[0].scatter(phi, psi, s=14, color=_COLOR, clip_on=False)
-    _finishRamachandran(axes[0], f"Start: {_count(len(phi), 'residue')}")
+    _finishRamachandran(axes[0], f"Start: {countOf(len(phi), 'residue')}")
 
     phi, psi = np.degrees(np.concatenate([frame.phiPsi for frame in frames[1:]])).T
     _drawCounts(axes[1], phi, psi, _EDGES, "residues in 10° × 10°")
-    _finishRamachandran(axes[1], f"Sampled: {_count(len(frames) - 1, 'frame')}")
+    _finishRamachandran(axes[1], f"Sampled: {countOf(len(frames) - 1, 'frame')}")
 
 
 def _drawKinds(axes, frames, torsionKinds):
@@ -67,12 +68,12 @@ def _drawKinds(axes, frames, torsionKinds):
     kinds = [kind for kind in _LETTERS if kind in torsionKinds]
     columns = np.array([kinds.index(kind) for kind in torsionKinds])
     axes[0].scatter(columns, np.degrees(frames[0].torsionAngles), s=14, color=_COLOR, clip_on=False)
-    _finishKinds(axes[0], f"Start: {_count(len(columns), 'torsion')}", kinds)
+    _finishKinds(axes[0], f"Start: {countOf(len(columns), 'torsion')}", kinds)
 
     angles = np.degrees(np.concatenate([frame.torsionAngles for frame in frames[1:]]))
     edges = np.arange(len(kinds) + 1) - 0.5
     _drawCounts(axes[1], np.tile(columns, len(frames) - 1), angles, edges, "torsions in 10°")
-    _finishKinds(axes[1], f"Sampled: {_count(len(frames) - 1, 'frame')}", kinds)
+    _finishKinds(axes[1], f"Sampled: {countOf(len(frames) - 1, 'frame')}", kinds)
 
 
 def _drawCounts(axis, x, angles, edges, label):
@@ -101,7 +102,7 @@ def _drawRadiusOfGyration(axis, frames):
     trials = [frame.trials for frame in frames]
     axis.plot(trials, [frame.radiusOfGyration for frame in frames], color=_COLOR)
     axis.set(title="Radius of gyration", xlabel="trials", ylabel="nm", xlim=(0, trials[-1]))
-    _groupThousands(axis)
+    groupThousands(axis)
 
 
 def _drawEnergy(axis, frames):
@@ -118,7 +119,7 @@ def _drawEnergy(axis, frames):
         title += f" (not shown: the beginning, from {energies.max():,.0f} kJ/mol down)"
     axis.set(title=title, xlabel="trials", ylabel="kJ/mol", xlim=(0, trials[-1]))
     axis.yaxis.set_major_formatter("{x:,.0f}")
-    _groupThousands(axis)
+    groupThousands(axis)
 
 
 def _drawAcceptance(axis, frames, moveNames):
@@ -135,13 +136,4 @@ def _drawAcceptance(axis, frames, moveNames):
         axis.plot(middles[drawn], 100 * accepted[drawn] / attempted[drawn], marker=marker, label=name)
     axis.set(title="Acceptance", xlabel="trials", ylabel="% of the move's trials", xlim=(0, trials[-1]), ylim=(0, 101))
     addLegendBelow(axis)
-    _groupThousands(axis)
-
-
-def _groupThousands(axis):
-    axis.xaxis.set_major_formatter("{x:,.0f}")
-    axis.locator_params(axis="x", nbins=5)
-
-
-def _count(number, noun):
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+    groupThousands(axis)

@@ -5,8 +5,10 @@ from collections import Counter
 import numpy as np
 
 from ...naming import describeResidue
+from ...notes import countOf
 from ...residues import isPolymer
 from ...torsions import KINDS
+from .energyreport import describeEnergies
 
 # A line names at most this number of parts, and counts the rest.
 _LONGEST_LIST = 5
@@ -28,6 +30,14 @@ def describePlan(plan):
         if bonds:
             lines.append(f"{what}: {', '.join(' – '.join(residues) for residues in bonds)}")
     return lines
+
+
+def printPlan(sampling, console):
+    """Print what a Sampling moves and which code evaluates its energies on a rich Console."""
+    for line in describePlan(sampling.plan):
+        console.print(line)
+    if sampling.energies is not None:
+        console.print(describeEnergies(sampling.energies))
 
 
 class _Describer:
@@ -55,7 +65,7 @@ class _Describer:
         if parts:
             counts = Counter(torsion.kind for torsion in plan.torsions)
             kinds = ", ".join(f"{counts[kind]:,} {kind}" for kind in KINDS if counts[kind])
-            text += f" by {_count(len(plan.torsions), 'torsion')} ({kinds})"
+            text += f" by {countOf(len(plan.torsions), 'torsion')} ({kinds})"
         if plan.isRigidBody.any():
             turning = [self._name(molecule) for molecule in np.flatnonzero(plan.isRigidBody & plan.isTurning)]
             others = self._group(np.flatnonzero(plan.isRigidBody & ~plan.isTurning))
@@ -70,7 +80,7 @@ class _Describer:
         parts = [f"{_join(self._group(found))}: {reason}" for reason, found in byReason.items()]
         holding = np.count_nonzero(plan.stays & plan.isTurning[plan.molecules])
         if holding:
-            parts.append(f"{_count(holding, 'atom')} that hold{'s' if holding == 1 else ''} what moves")
+            parts.append(f"{countOf(holding, 'atom')} that hold{'s' if holding == 1 else ''} what moves")
         return "; ".join(parts) or "nothing"
 
     def _whyItStays(self, molecule):
@@ -88,7 +98,7 @@ class _Describer:
             atoms = [self._atoms[i] for i in np.flatnonzero(plan.stays & (plan.molecules == molecule))]
             option = ", --fix" if molecule in plan.molecules[plan.fixedAtoms] else ""
             where = _range([atom.residue for atom in atoms])
-            parts.append(f"{self._name(molecule)} at {where} ({_count(len(atoms), 'atom')}{option})")
+            parts.append(f"{self._name(molecule)} at {where} ({countOf(len(atoms), 'atom')}{option})")
         text = _join(parts) or "nothing"
         if not plan.choice.rigidBodies:
             return f"{text}; no molecule moves as a whole (--rigid-bodies)"
@@ -114,12 +124,12 @@ class _Describer:
         for molecule in molecules:
             residues = self._residues[molecule]
             if sum(map(isPolymer, residues)) > 1:
-                parts.append(f"{self._name(molecule)} ({_count(self._atomCounts[molecule], 'atom')})")
+                parts.append(f"{self._name(molecule)} ({countOf(self._atomCounts[molecule], 'atom')})")
             else:
                 others.setdefault("-".join(residue.name for residue in residues), []).append(molecule)
         for names, found in others.items():
             number = f"{len(found)} " if len(found) > 1 else ""
-            parts.append(f"{number}{names} ({_count(self._atomCounts[found].sum(), 'atom')})")
+            parts.append(f"{number}{names} ({countOf(self._atomCounts[found].sum(), 'atom')})")
         return parts
 
 
@@ -134,10 +144,6 @@ def _distinctResidues(atoms, molecules):
 def _range(residues):
     first, last = describeResidue(residues[0]), describeResidue(residues[-1])
     return first if first == last else f"{first} – {last}"
-
-
-def _count(number, word):
-    return f"{number:,} {word}{'' if number == 1 else 's'}"
 
 
 def _join(parts):

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...notes import countOf
 from ...openmmchaintree import MoveStatistics
 from ..energymodel import HARD
 from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
@@ -124,11 +125,11 @@ def printReplicaReport(summary, console, isVerbose):
     if any("potentialEnergy" in temperature for temperature in summary["temperatures"]):
         console.print(_temperatureTable(summary))
     if summary["roundTrips"] is not None:
-        trips = sum(summary["roundTrips"])
-        console.print(f"{trips:,} round trip{'' if trips == 1 else 's'} between the lowest temperature and the highest")
+        trips = countOf(sum(summary["roundTrips"]), "round trip")
+        console.print(f"{trips} between the lowest temperature and the highest")
     _printEnds(summary, console)
-    count = summary["frames"]
-    frames = f"{count:,} frames each, the first of them the start" if count > 1 else "a single frame each, the start"
+    number = summary["frames"]
+    frames = f"{number:,} frames each, the first of them the start" if number > 1 else "a single frame each, the start"
     console.print(f"wrote {', '.join(summary['files'])}; {frames}")
 
 
@@ -164,12 +165,12 @@ def _printEnds(summary, console):
     ends = summary["ends"]
     beyond = sum(len(end["pairsBeyondLimit"]) for end in ends)
     if summary["stericMode"] == HARD:
-        count = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
+        clashes = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
     else:
-        count = f"{max(end['clashesAtEnd'] for end in ends)} at most overlap by more than hard spheres may"
+        clashes = f"{max(end['clashesAtEnd'] for end in ends)} at most overlap by more than hard spheres may"
     change = max(end["largestBondChange"] for end in ends)
     console.print(
-        f"last positions of all replicas, all pairs compared: {count} "
+        f"last positions of all replicas, all pairs compared: {clashes} "
         f"({summary['clashesAtStart']} clashed at the start); largest change of a bond's length: {change:.1g} nm"
     )
     for end in ends:

@@ -2,7 +2,7 @@
 
 from collections import Counter
 
-from ...naming import describeResidue
+from ...naming import nameAtom
 from ...torsions import KINDS
 from ..energymodel import HARD
 from .energyreport import printEnergies
@@ -64,8 +64,8 @@ def describeScene(sampling, addedHydrogens):
 
 def describeVerdict(sampling):
     """Compare all pairs and bonds at the Context's positions with the start; return the results."""
-    bonds = sampling.checkBonds()
-    names = [f"{describeResidue(atom.residue)} {atom.name}" for atom in sampling.structure.topology.atoms()]
+    bonds = sampling.checkBonds(sampling.positions())
+    names = [str(nameAtom(atom)) for atom in sampling.structure.topology.atoms()]
     return {
         **_describeOverlaps(sampling, names),
         "largestBondChange": bonds.largestChange,
@@ -79,8 +79,9 @@ def describeVerdict(sampling):
 def _describeOverlaps(sampling, names):
     """Return the pairs that overlap at the end; without hard spheres there are no limits, and only the count."""
     if not sampling.isHard:
-        return {"clashesAtEnd": len(sampling.overlaps().pairs), "toleratedPairs": [], "pairsBeyondLimit": []}
-    verdict = sampling.check()
+        count = len(sampling.overlaps(sampling.positions()).pairs)
+        return {"clashesAtEnd": count, "toleratedPairs": [], "pairsBeyondLimit": []}
+    verdict = sampling.check(sampling.positions())
     return {
         "clashesAtEnd": len(verdict.tolerated.pairs) + len(verdict.beyond.pairs),
         "toleratedPairs": _describePairs(verdict.tolerated, names),
