@@ -1,41 +1,6 @@
 /* Pairs whose distance a trial changes. */
-#include <stdlib.h>
-
 #include "scene.h"
-
-typedef struct Collection {
-  ctChainTree* tree;
-  bool failed;
-} Collection;
-
-static bool collect(void* context, int slotA, int slotB, double squaredDistance) {
-  (void)squaredDistance;
-  Collection* collection = context;
-  ctChainTree* tree = collection->tree;
-  collection->failed = !ctSlotPairsAdd(&tree->ties, slotA < slotB ? slotA : slotB, slotA < slotB ? slotB : slotA, 0);
-  return !collection->failed;
-}
-
-static int compareSlotPairs(const void* a, const void* b) {
-  const SlotPair* x = a;
-  const SlotPair* y = b;
-  const int first = (x->slotA > y->slotA) - (x->slotA < y->slotA);
-  return first != 0 ? first : (x->slotB > y->slotB) - (x->slotB < y->slotB);
-}
-
-static void dropRepeats(SlotPairs* list) {
-  if (list->count == 0) {
-    return;
-  }
-  qsort(list->pairs, (size_t)list->count, sizeof(SlotPair), compareSlotPairs);
-  int kept = 1;
-  for (int i = 1; i < list->count; i++) {
-    if (compareSlotPairs(&list->pairs[kept - 1], &list->pairs[i]) != 0) {
-      list->pairs[kept++] = list->pairs[i];
-    }
-  }
-  list->count = kept;
-}
+#include "wide.h"
 
 ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFunction* function, void* context,
                               ctCounts* counts) {
@@ -46,24 +11,23 @@ ctStatus ctForEachChangedPair(ctChainTree* tree, double cutoff, ctChangedPairFun
   if (!(cutoff > 0) || !isfinite(cutoff)) {
     return ctFail(tree, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
   }
-  /* Collects candidates before and in the trial, then computes both canonical distances of each. */
-  Collection collection = {tree, false};
-  ctSceneTree(tree);
-  tree->ties.count = 0;
-  for (int moved = 0; moved < 2 && !collection.failed; moved++) {
-    const View view = ctTrialView(tree->trial, moved == 1, false, cutoff);
-    int few[2];
-    if (!tree->isTesterOff[FEW_MOVERS] && ctViewMovesFew(&tree->traversal, &view, &few[0], &few[1])) {
-      ctTraverseFew(&tree->traversal, &view, few[0], few[1], collect, NULL, &collection, counts);
-    } else {
-      ctTraverse(&tree->traversal, &view, collect, &collection, counts);
-    }
-  }
-  if (collection.failed) {
-    return ctFailOutOfMemory(tree);
+  /* Collects candidates, then computes both canonical distances of each. */
+  LeafTask task;
+  const ctStatus status = ctLeavesBegin(tree, true, cutoff, &task);
+  if (status != ctSuccess) {
+    return status;
   }
   SlotPairs* pairs = &tree->ties;
-  dropRepeats(pairs);
+  task.slotPairs = pairs;
+  pairs->count = 0;
+  tree->ownTree.wide->listChangedSlots(&task);
+  if (task.failed) {
+    return ctFailOutOfMemory(tree);
+  }
+  addTests(counts, task.tests, task.particleTests);
+  if (pairs->count == 0) {
+    return ctSuccess;
+  }
   for (int i = 0; i < pairs->count; i++) {
     pairs->pairs[i].value = canonicalDistance(tree, pairs->pairs[i].slotA, pairs->pairs[i].slotB);
   }

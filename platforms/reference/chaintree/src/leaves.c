@@ -175,27 +175,38 @@ int ctGetTrialLinks(ctChainTree* tree, const int** links) {
   return trial->count;
 }
 
-/* Lists pairs of leaves of the state, or of the open trial. */
-static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafPairs* pairs, ctCounts* counts) {
-  if (!(cutoff > 0)) {
-    return ctFail(scene, ctInvalidArgument, "the cutoff is %g nm; it must be positive", cutoff);
-  }
+ctStatus ctLeavesBegin(ctChainTree* scene, bool inTrial, double cutoff, LeafTask* task) {
   Leaves* leaves = &scene->leaves;
   const Tree* tree = ctSceneTree(scene);
   if (!ctLeavesReserve(leaves, tree, &scene->sequence) || !ctLeavesReservePairs(leaves, tree)) {
     return ctFailOutOfMemory(scene);
   }
   ctLeavesUpdate(leaves, tree, &scene->sequence);
-  LeafTask task = {.leaves = leaves, .tree = tree, .sequence = &scene->sequence, .pairs = pairs, .cutoff = cutoff};
+  *task = (LeafTask){
+      .leaves = leaves, .tree = tree, .sequence = &scene->sequence, .exclusions = &scene->exclusions, .cutoff = cutoff};
   if (inTrial) {
     ctTrialShow(scene->trial, &scene->sequence);
-    task.pieceCount = scene->trial->pieceCount;
-    task.pieces = scene->trial->pieces;
-    task.motions = scene->trial->motions;
-    task.worldMotions = scene->trial->worldMotions;
+    task->pieceCount = scene->trial->pieceCount;
+    task->pieces = scene->trial->pieces;
+    task->motions = scene->trial->motions;
+    task->worldMotions = scene->trial->worldMotions;
   }
+  return ctSuccess;
+}
+
+/* Lists pairs of leaves of the state, or of the open trial. */
+static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafPairs* pairs, ctCounts* counts) {
+  if (!(cutoff > 0)) {
+    return ctFail(scene, ctInvalidArgument, "the cutoff is %g nm; it must be positive", cutoff);
+  }
+  LeafTask task;
+  const ctStatus status = ctLeavesBegin(scene, inTrial, cutoff, &task);
+  if (status != ctSuccess) {
+    return status;
+  }
+  task.pairs = pairs;
   pairs->count = 0;
-  tree->wide->listLeafPairs(&task);
+  scene->ownTree.wide->listLeafPairs(&task);
   if (task.failed) {
     return ctFailOutOfMemory(scene);
   }

@@ -1,8 +1,8 @@
 /* For clients that sum over pairs of particles: positions of leaves in the world, boxes around them, and the pairs of
- * leaves that a trial changes. Each is made on first use. Positions and boxes are kept from state to state, and
- * recomputed where the tree has moved. Boxes are along the world's axes, in float from worldOrigin, and a little larger
- * than the particles need. A node's boxes are those of its members, so that one box is compared with sixteen others at
- * a time; one more node, the super-root, has the root as its only member.
+ * leaves or slots that a trial changes. Each is made on first use. Positions and boxes are kept from state to state,
+ * and recomputed where the tree has moved. Boxes are along the world's axes, in float from worldOrigin, and a little
+ * larger than the particles need. A node's boxes are those of its members, so that one box is compared with sixteen
+ * others at a time; one more node, the super-root, has the root as its only member.
  *
  * What lies behind a closed window moves by rounding alone. Its positions are not updated: `positionError` bounds their
  * error. */
@@ -11,6 +11,7 @@
 
 #include "axisbox.h"
 #include "merged.h"
+#include "slotpairs.h"
 #include "traverse.h"
 
 /* The members of an inner node or the super-root in the open trial. */
@@ -63,7 +64,9 @@ typedef struct LeafTask {
   Leaves* leaves;
   const Tree* tree;
   const Sequence* sequence;
-  LeafPairs* pairs; /* where they go */
+  const Exclusions* exclusions;
+  LeafPairs* pairs;     /* where pairs of leaves go */
+  SlotPairs* slotPairs; /* where pairs of slots go */
   double cutoff;
   int pieceCount;      /* 0: the state */
   const Piece* pieces; /* of the trial, ascending */
@@ -71,6 +74,7 @@ typedef struct LeafTask {
   const ctTransform* worldMotions; /* the same for absolute positions */
   bool failed;                     /* there was no memory */
   int64_t tests;                   /* of boxes */
+  int64_t particleTests;
 } LeafTask;
 
 /* Make room on first use; false, and nothing changed, if there is no memory. */
@@ -92,6 +96,9 @@ bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree);
  * static in these pieces. Other distances have changed by at most `distanceError`. */
 void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
                     double distanceError);
+
+/* Updates leaves, and writes a task for the state or the open trial. Fails if there is no memory. */
+ctStatus ctLeavesBegin(ctChainTree* scene, bool inTrial, double cutoff, LeafTask* task);
 
 /* Makes room for `count` pairs; false, and nothing changed, if there is no memory. */
 bool ctLeafPairsReserve(LeafPairs* pairs, size_t count);

@@ -11,22 +11,6 @@
 #include "tester.h"
 #include "trial.h"
 
-/* A pair within rounding of a limit: the canonical distance decides. */
-typedef struct SlotPair {
-  int slotA;
-  int slotB;
-  double value; /* the limit of its overlap, or its distance before the trial */
-} SlotPair;
-
-typedef struct SlotPairs {
-  SlotPair* pairs;
-  int count;
-  int capacity;
-} SlotPairs;
-
-/* False, and nothing changed, if there is no memory. */
-bool ctSlotPairsAdd(SlotPairs* list, int slotA, int slotB, double value);
-
 struct ctChainTree {
   Arena arena;
   Sequence sequence;

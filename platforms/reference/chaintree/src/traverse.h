@@ -1,6 +1,6 @@
-/* The descent of the tree against itself, which the clash test and the changed pairs of a trial share (section 2.3). A
- * view says which slots move together and how. A descent writes nothing to the tree: a node that lies in one piece
- * keeps its volume and moves as a whole; a mixed node gets a volume made for this descent. */
+/* The descent of the tree against itself, which tests a trial for clashes (section 2.3). A view says which slots move
+ * together and how. A descent writes nothing to the tree: a node that lies in one piece keeps its volume and moves as a
+ * whole; a mixed node gets a volume made for this descent. */
 #ifndef CT_TRAVERSE_H_
 #define CT_TRAVERSE_H_
 

@@ -49,6 +49,7 @@
   /* wide/leaves.c, leafpairs.c: see leaves.h. */ \
   F(void, updateLeaves, (const LeafUpdate* update)) \
   F(void, listLeafPairs, (LeafTask* task)) \
+  F(void, listChangedSlots, (LeafTask* task)) \
   /* wide/nearest.c: for ctGetMinimumDistance. */ \
   F(void, boundPoints, (const Tree* layout, const double (*point)[3], Block* block)) \
   F(void, findNearest, (Nearest* nearest, const Cloud clouds[2]))

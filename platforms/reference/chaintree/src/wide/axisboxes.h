@@ -72,4 +72,13 @@ CT_INLINE Float16 squaredGaps(const AxisBoxes* row, int k, const AxisBoxes* othe
   return squared16(gap[0], gap[1], gap[2]);
 }
 
+/* Squared gaps of sixteen points from a box. */
+CT_INLINE Float16 squaredGapsOfPoints(const Float16 x[3], const float low[3], const float high[3]) {
+  Float16 gap[3];
+  for (int d = 0; d < 3; d++) {
+    gap[d] = sub16(x[d], min16(max16(x[d], all16(low[d])), all16(high[d])));
+  }
+  return squared16(gap[0], gap[1], gap[2]);
+}
+
 #endif /* CT_AXISBOXES_H_ */

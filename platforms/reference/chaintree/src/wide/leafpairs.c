@@ -38,16 +38,20 @@ static void movePosition(const ctTransform* motion, const ctLeafPositions* from,
   to->z[k] = r[6] * from->x[k] + r[7] * from->y[k] + r[8] * from->z[k] + motion->translation[2];
 }
 
-/* Writes the box around a leaf in the trial as member k of its parent. */
-static void boxTrialLeaf(const LeafTask* task, int leaf, AxisBoxes* around, int k) {
-  const ctLeafPositions* own = &task->leaves->trial[leaf];
-  const double* const axes[3] = {own->x, own->y, own->z};
-  LeafPoints points;
+/* Rounds the positions of a leaf to float. */
+static void roundLeaf(const LeafTask* task, const ctLeafPositions* leaf, LeafPoints* points) {
+  const double* const axes[3] = {leaf->x, leaf->y, leaf->z};
   for (int d = 0; d < 3; d++) {
     for (int i = 0; i < TREE_WIDTH; i++) {
-      points.x[d][i] = (float)(axes[d][i] - task->sequence->worldOrigin[d]);
+      points->x[d][i] = (float)(axes[d][i] - task->sequence->worldOrigin[d]);
     }
   }
+}
+
+/* Writes the box around a leaf in the trial as member k of its parent. */
+static void boxTrialLeaf(const LeafTask* task, int leaf, AxisBoxes* around, int k) {
+  LeafPoints points;
+  roundLeaf(task, &task->leaves->trial[leaf], &points);
   boxPoints(&points, task->leaves->occupied[leaf], around, k);
 }
 
@@ -241,6 +245,7 @@ typedef struct LeafDescent {
   LeafTask* task;
   int largest;                        /* body */
   float limit;                        /* of squared gaps */
+  float slotLimit;                    /* of squared distances of slots */
   float gaps[TREE_WIDTH][TREE_WIDTH]; /* squared: of rows from sixteen columns */
 } LeafDescent;
 
@@ -344,6 +349,111 @@ CT_INLINE unsigned columnsInTrial(void* search, int level, int a, int k, int b) 
   return nearByGaps(d, gaps, columns);
 }
 
+/* ---- Pairs of slots ---- */
+
+/* The slots of a leaf. */
+typedef struct TrialSlots {
+  LeafPoints before; /* from worldOrigin */
+  LeafPoints after;
+  int body[TREE_WIDTH];
+  unsigned modelled; /* bits */
+} TrialSlots;
+
+static void takeSlots(const LeafTask* task, int leaf, TrialSlots* slots) {
+  const Leaves* leaves = task->leaves;
+  const int body = trialMembers(leaves, task->tree, treeParent(task->tree, 0, leaf))->body[memberIndex(leaf)];
+  roundLeaf(task, &leaves->state[leaf], &slots->before);
+  roundLeaf(task, &leaves->trial[leaf], &slots->after);
+  slots->modelled = ~greater16(all16(0), load16(task->tree->leaf[leaf].r)) & 0xffff;
+  if (body != MANY_BODIES) {
+    storeInts16(slots->body, allInts16(body));
+    return;
+  }
+  int piece = task->pieceCount - 1;
+  for (int k = TREE_WIDTH - 1; k >= 0; k--) {
+    while (task->pieces[piece].slotBegin > leaf * TREE_WIDTH + k) {
+      piece--;
+    }
+    slots->body[k] = task->pieces[piece].body;
+  }
+}
+
+CT_INLINE void loadPoints(const LeafPoints* points, Float16 x[3]) {
+  for (int d = 0; d < 3; d++) {
+    x[d] = load16(points->x[d]);
+  }
+}
+
+/* Squared distances of slot k of a leaf from the slots of another. */
+CT_INLINE Float16 squaredFromSlot(const LeafPoints* row, int k, const Float16 x[3]) {
+  return squared16(sub16(x[0], all16(row->x[0][k])), sub16(x[1], all16(row->x[1][k])),
+                   sub16(x[2], all16(row->x[2][k])));
+}
+
+/* Squared gaps of the slots of a leaf from member k of a node. */
+CT_INLINE Float16 gapsFromMember(const LeafPoints* points, const AxisBoxes* boxes, int k) {
+  Float16 x[3];
+  loadPoints(points, x);
+  const float low[3] = {boxes->low[0][k], boxes->low[1][k], boxes->low[2][k]};
+  const float high[3] = {boxes->high[0][k], boxes->high[1][k], boxes->high[2][k]};
+  return squaredGapsOfPoints(x, low, high);
+}
+
+/* Adds the pairs of slots of two leaves that move against each other and are near before the trial or in it, except
+ * excluded ones. False if there is no memory. */
+static bool addSlotsOf(LeafDescent* d, int leafA, const TrialSlots* a, int leafB, const uint16_t* excluded) {
+  LeafTask* task = d->task;
+  const Leaves* leaves = task->leaves;
+  const int parent = treeParent(task->tree, 0, leafB);
+  const Float16 limit = all16(d->slotLimit);
+  const Float16 gaps =
+      min16(gapsFromMember(&a->before, leafBoxes(leaves, task->tree, parent), memberIndex(leafB)),
+            gapsFromMember(&a->after, trialMembers(leaves, task->tree, parent)->inTrial, memberIndex(leafB)));
+  unsigned rows = a->modelled & ~greater16(gaps, limit);
+  task->tests += TREE_WIDTH;
+  if (rows == 0) {
+    return true;
+  }
+  TrialSlots b;
+  takeSlots(task, leafB, &b);
+  Float16 before[3];
+  Float16 after[3];
+  loadPoints(&b.before, before);
+  loadPoints(&b.after, after);
+  task->particleTests += __builtin_popcount(rows) * TREE_WIDTH;
+  for (; rows != 0; rows &= rows - 1) {
+    const int k = __builtin_ctz(rows);
+    const Float16 squared = min16(squaredFromSlot(&a->before, k, before), squaredFromSlot(&a->after, k, after));
+    unsigned near = b.modelled & ~greater16(squared, limit) & ~equal16(b.body, a->body[k]);
+    near &= leafA == leafB ? ~((2u << k) - 1) : ~0u;
+    near &= excluded == NULL ? ~0u : ~(unsigned)excluded[k];
+    for (; near != 0; near &= near - 1) {
+      if (!ctSlotPairsAdd(task->slotPairs, leafA * TREE_WIDTH + k, leafB * TREE_WIDTH + __builtin_ctz(near), 0)) {
+        task->failed = true;
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+/* The same for a leaf and leaves first + k for each bit k. */
+static bool addSlots(void* search, int leaf, int first, unsigned near) {
+  LeafDescent* d = search;
+  const Exclusions* exclusions = d->task->exclusions;
+  TrialSlots slots;
+  takeSlots(d->task, leaf, &slots);
+  int partner = exclusionsFrom(exclusions, leaf, first);
+  for (; near != 0; near &= near - 1) {
+    const int other = first + __builtin_ctz(near);
+    const bool areExcluded = exclusionReaches(exclusions, leaf, other, &partner);
+    if (!addSlotsOf(d, leaf, &slots, other, areExcluded ? exclusions->mask[partner] : NULL)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* The largest distance from worldOrigin of a corner of member 0. */
 static double cornerOf(const AxisBoxes* boxes) {
   double corner[3];
@@ -353,49 +463,60 @@ static double cornerOf(const AxisBoxes* boxes) {
   return sqrt(dot(corner, corner));
 }
 
-/* The largest squared gap of boxes around particles within the cutoff. Positions in the trial and after its acceptance
- * differ by DOUBLE_MARGIN of the coordinate bound, and by Leaves.positionError; 1e-6 is 17 u of the square, whose
- * roundings are 5 u. */
-static float gapLimit(const LeafTask* task, const AxisBoxes* before, const AxisBoxes* after) {
+/* The largest squared distance, or gap of boxes, of particles within the cutoff. Positions in the trial and after its
+ * acceptance differ by DOUBLE_MARGIN of the coordinate bound, and by Leaves.positionError; 1e-6 is 17 u of the square,
+ * whose roundings are 5 u. `margin` has room for other roundings. */
+static float limitOf(const LeafTask* task, double sizeInWorld, double margin) {
   const double* origin = task->sequence->worldOrigin;
-  const double coordinateBound = sqrt(dot(origin, origin)) + cornerOf(before) + cornerOf(after);
-  const double reach = task->cutoff + DOUBLE_MARGIN * coordinateBound + task->leaves->positionError;
+  const double coordinateBound = sqrt(dot(origin, origin)) + sizeInWorld;
+  const double reach = task->cutoff + DOUBLE_MARGIN * coordinateBound + task->leaves->positionError + margin;
   return (float)(reach * reach * (1 + 1e-6)) + FLOAT_FLOOR;
 }
 
-/* Lists pairs of leaves that the trial changes. */
-static void listChanged(LeafDescent* d) {
-  const Tree* tree = d->task->tree;
-  Leaves* leaves = d->task->leaves;
-  const int superRoot = treeSuperRoot(tree);
-  TrialMembers* top = trialMembers(leaves, tree, superRoot);
-  leaves->trialNumber++;
-  d->largest = largestBody(d->task);
-  openMany(d->task, tree->levelCount, superRoot, 0);
-  d->limit = gapLimit(d->task, leafBoxes(leaves, tree, superRoot), &top->boxes);
-  if (top->body[0] == MANY_BODIES) {
-    descendBoxes(d, tree, 1, (BoxVisitor){rowsInTrial, columnsInTrial, addPairs, true});
-  }
+/* Sets the limits of a descent from the boxes around all particles. */
+static void setLimits(LeafDescent* d, const AxisBoxes* before, const AxisBoxes* after) {
+  const double size = cornerOf(before) + cornerOf(after);
+  d->limit = limitOf(d->task, size, 0);
+  d->slotLimit = limitOf(d->task, size, floatMargin(size + d->task->cutoff));
 }
 
-/* Lists all near pairs of leaves. */
-static void listAll(LeafDescent* d) {
-  const Tree* tree = d->task->tree;
-  const AxisBoxes* around = leafBoxes(d->task->leaves, tree, treeSuperRoot(tree));
-  d->limit = gapLimit(d->task, around, around);
-  descendBoxes(d, tree, 1, (BoxVisitor){rowsInState, columnsInState, addPairs, false});
+/* Starts a descent. Returns false if there are no particles. */
+static bool begin(LeafDescent* d, LeafTask* task) {
+  d->task = task;
+  d->gaps[0][0] = 0; /* of the only leaf from itself */
+  return task->leaves->occupied[treeSuperRoot(task->tree)] != 0;
+}
+
+/* Starts a descent of a trial. Returns false if all particles move as one. */
+static bool beginTrial(LeafDescent* d, LeafTask* task) {
+  const int superRoot = treeSuperRoot(task->tree);
+  TrialMembers* top = trialMembers(task->leaves, task->tree, superRoot);
+  if (!begin(d, task) || task->pieceCount == 1) {
+    return false;
+  }
+  task->leaves->trialNumber++;
+  d->largest = largestBody(task);
+  openMany(task, task->tree->levelCount, superRoot, 0);
+  setLimits(d, leafBoxes(task->leaves, task->tree, superRoot), &top->boxes);
+  return top->body[0] == MANY_BODIES;
 }
 
 void CT_WIDE(listLeafPairs)(LeafTask* task) {
-  if (task->leaves->occupied[treeSuperRoot(task->tree)] == 0 || task->pieceCount == 1) {
-    return; /* no particles, or all of them move as one */
-  }
   LeafDescent descent;
-  descent.task = task;
-  descent.gaps[0][0] = 0; /* of the only leaf from itself */
   if (task->pieceCount > 0) {
-    listChanged(&descent);
-  } else {
-    listAll(&descent);
+    if (beginTrial(&descent, task)) {
+      descendBoxes(&descent, task->tree, 1, (BoxVisitor){rowsInTrial, columnsInTrial, addPairs, true});
+    }
+  } else if (begin(&descent, task)) {
+    const AxisBoxes* around = leafBoxes(task->leaves, task->tree, treeSuperRoot(task->tree));
+    setLimits(&descent, around, around);
+    descendBoxes(&descent, task->tree, 1, (BoxVisitor){rowsInState, columnsInState, addPairs, false});
+  }
+}
+
+void CT_WIDE(listChangedSlots)(LeafTask* task) {
+  LeafDescent descent;
+  if (beginTrial(&descent, task)) {
+    descendBoxes(&descent, task->tree, 1, (BoxVisitor){rowsInTrial, columnsInTrial, addSlots, true});
   }
 }

@@ -59,12 +59,7 @@ static inline AxisBox memberOf(const SnapshotBoxes* boxes, int k) {
 
 /* The slots (bits) that are within reach of a box. */
 CT_FOR_BOTH unsigned slotsNear(const Pass* pass, const Slots* slots, const AxisBox* box, bool surfaces) {
-  Float16 squared = all16(0);
-  for (int d = 0; d < 3; d++) {
-    const Float16 inside = min16(max16(slots->x[d], all16(box->low[d])), all16(box->high[d]));
-    const Float16 gap = sub16(slots->x[d], inside);
-    squared = d == 0 ? mul16(gap, gap) : add16(squared, mul16(gap, gap));
-  }
+  const Float16 squared = squaredGapsOfPoints(slots->x, box->low, box->high);
   if (!surfaces) {
     return greater16(all16(pass->nearSquared), squared);
   }
