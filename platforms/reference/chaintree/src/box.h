@@ -14,6 +14,7 @@ typedef struct Box {
   Row4 row[3];
   Row4 half; /* 0, and half the boxes along the axes */
   bool thin; /* its volume is much less than its sphere's: see THIN_SHARE */
+  Revision builtFrom;
 } Box;
 
 /* Boxes of the children of a node, as a structure of arrays. */

@@ -175,7 +175,7 @@ void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions) {
     return;
   }
   if (isNewArray) {
-    tree->followed.revision = NO_REVISION;
+    tree->followed.builtFrom = NO_REVISION;
   }
   ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
 }

@@ -7,11 +7,10 @@
 
 /* Boxes of an inner node's children. */
 typedef struct ChildBoxes {
-  BoxBlock own;          /* in the node's frame; made together with the node's own box */
-  BoxBlock world;        /* in the world, of the state */
-  int64_t ownRevision;   /* the tree's when `own` was made, or NO_REVISION */
-  int64_t worldRevision; /* Traversal.membersRevision of the node when `world` was made */
-  int movedAt;           /* value of movedBoxesCount when these were last moved */
+  BoxBlock own;       /* in the node's frame; made together with the node's own box */
+  BoxBlock world;     /* in the world, of the state */
+  Revision worldFrom; /* the revision that `world` was built from */
+  int movedAt;        /* value of movedBoxesCount when these were last moved */
 } ChildBoxes;
 
 /* A search of a view, and its cost. */

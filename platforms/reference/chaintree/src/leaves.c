@@ -38,7 +38,7 @@ bool ctLeavesReserve(Leaves* leaves, const Tree* tree, const Sequence* sequence)
     return false;
   }
   findOccupied(leaves, tree, sequence);
-  leaves->revision = NO_REVISION;
+  leaves->builtFrom = NO_REVISION;
   return true;
 }
 
@@ -60,7 +60,7 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree) {
     clearAxisBoxes(&leaves->boxes[i]);
     clearAxisBoxes(&leaves->members[i].boxes);
   }
-  leaves->revision = NO_REVISION; /* boxes are made together with positions */
+  leaves->builtFrom = NO_REVISION; /* boxes are made together with positions */
   return true;
 }
 
@@ -86,22 +86,22 @@ bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
 }
 
 void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
-  if (leaves->revision == NO_REVISION) {
+  if (leaves->builtFrom == NO_REVISION) {
     leaves->positionError = 0; /* all of them are made again */
   }
-  if (leaves->revision != tree->revision) {
-    const LeafUpdate update = {leaves, tree, sequence, treeFirstMoved(tree, leaves->revision), 0, NULL};
+  if (stateChangedSince(&tree->changes, leaves->builtFrom)) {
+    const LeafUpdate update = {leaves, tree, sequence, firstMovedSince(&tree->changes, leaves->builtFrom), 0, NULL};
     tree->wide->updateLeaves(&update);
-    leaves->revision = tree->revision;
+    leaves->builtFrom = tree->changes.now;
   }
 }
 
 void ctLeavesForget(Leaves* leaves) {
-  leaves->revision = NO_REVISION;
+  leaves->builtFrom = NO_REVISION;
 }
 
 bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree) {
-  return leaves->state != NULL && leaves->revision == tree->revision;
+  return leaves->state != NULL && !stateChangedSince(&tree->changes, leaves->builtFrom);
 }
 
 void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
@@ -113,7 +113,7 @@ void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, 
   }
   const LeafUpdate update = {leaves, tree, sequence, 0, pieceCount, pieces};
   tree->wide->updateLeaves(&update);
-  leaves->revision = tree->revision;
+  leaves->builtFrom = tree->changes.now;
 }
 
 /* ---- Public calls ---- */

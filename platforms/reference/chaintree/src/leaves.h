@@ -34,7 +34,7 @@ typedef struct Leaves {
   Arena arena;
   ctLeafPositions* state; /* per leaf; NULL: not needed yet */
   uint16_t* occupied;     /* per node and the super-root: bit k is set if member k has particles */
-  int64_t revision;       /* the tree's, of positions and boxes; NO_REVISION: they have none */
+  Revision builtFrom;     /* of positions and boxes */
   double positionError;   /* nm: most error of a distance between these positions, see ctLeavesFollow */
 
   /* Made when pairs are first needed. The arrays of inner nodes are indexed from levelBegin[1] on. */
@@ -54,7 +54,7 @@ typedef struct LeafUpdate {
   Leaves* leaves;
   const Tree* tree;
   const Sequence* sequence;
-  int firstMoved;      /* leaf, since leaves->revision */
+  int firstMoved;      /* leaf, since leaves->builtFrom */
   int pieceCount;      /* 0: by the tree */
   const Piece* pieces; /* ascending */
 } LeafUpdate;

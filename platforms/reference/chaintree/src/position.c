@@ -104,9 +104,9 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
 }
 
 /* Reads the particles with slots of leaves [begin, end) that have changed since a revision. */
-static void readLeaves(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+static void readLeaves(PositionReader* reader, int begin, int end, Revision since, double* positions) {
   const Tree* tree = reader->tree;
-  const int firstMoved = treeFirstMoved(tree, since);
+  const int firstMoved = firstMovedSince(&tree->changes, since);
   int parent = CT_NULL;
   Frame parentFrame = transformIdentity();
   for (int leaf = begin; leaf < end; leaf++) {
@@ -126,9 +126,9 @@ static void readLeaves(PositionReader* reader, int begin, int end, int64_t since
 }
 
 /* The same for entries [begin, end) of slotlessParticle. */
-static void readSlotless(PositionReader* reader, int begin, int end, int64_t since, double* positions) {
+static void readSlotless(PositionReader* reader, int begin, int end, Revision since, double* positions) {
   const Sequence* s = reader->sequence;
-  const int firstMoved = treeFirstMoved(reader->tree, since);
+  const int firstMoved = firstMovedSince(&reader->tree->changes, since);
   for (int i = begin; i < end; i++) {
     const int particle = s->slotlessParticle[i];
     const int leaf = coveringNode(s->slotBegin[particleLink(s, particle)]);
@@ -138,7 +138,7 @@ static void readSlotless(PositionReader* reader, int begin, int end, int64_t sin
   }
 }
 
-static void readSince(const Sequence* s, const Tree* tree, int64_t since, double* positions) {
+static void readSince(const Sequence* s, const Tree* tree, Revision since, double* positions) {
   PositionReader reader = ctPositionReader(s, tree);
   readLeaves(&reader, 0, tree->levelSize[0], since, positions);
   readSlotless(&reader, 0, s->slotlessCount, since, positions);
@@ -151,7 +151,7 @@ void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
 /* ---- Arrays that the caller keeps ---- */
 
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
-  copied->revision = NO_REVISION;
+  copied->builtFrom = NO_REVISION;
   copied->isDisplaced = ctArenaAllocate(arena, (size_t)s->branchCount, sizeof(bool));
   return !arena->failed;
 }
@@ -167,7 +167,7 @@ static void readBranch(const Sequence* s, const Tree* tree, int branch, double* 
 }
 
 void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {
-  readSince(s, tree, copied->revision, positions);
+  readSince(s, tree, copied->builtFrom, positions);
   for (int branch = 0; branch < s->branchCount; branch++) {
     const bool isDisplacedNow = s->displaced[branch] != 0;
     if (copied->isDisplaced[branch] != isDisplacedNow) {
@@ -175,5 +175,5 @@ void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, dou
       readBranch(s, tree, branch, positions);
     }
   }
-  copied->revision = tree->revision;
+  copied->builtFrom = tree->changes.now;
 }

@@ -28,9 +28,9 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
 /* All particles: 3 * particleCount coordinates. */
 void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
 
-/* Which state filled the caller's array. */
+/* What filled the caller's array. */
 typedef struct Copied {
-  int64_t revision;  /* of the tree; NO_REVISION: none */
+  Revision builtFrom;
   bool* isDisplaced; /* per branch: a joint had displaced it, so that its particles did not have reference bits */
 } Copied;
 

@@ -12,7 +12,7 @@ ctStatus ctFail(ctChainTree* scene, ctStatus status, const char* format, ...) {
 }
 
 Tree* ctSceneLooseTree(ctChainTree* scene) {
-  if (scene->ownTree.isOutdated) {
+  if (stateChangedSince(&scene->ownTree.changes, scene->ownTree.builtFrom)) {
     ctPathsMultiply(&scene->sequence);
     ctTreeRefresh(&scene->ownTree, &scene->sequence);
   }
@@ -27,10 +27,11 @@ Tree* ctSceneTree(ctChainTree* scene) {
 
 Sweep* ctSceneSweep(ctChainTree* scene) {
   Sweep* sweep = &scene->ownSweep;
+  const Changes* changes = &scene->ownTree.changes;
   if (!ctSweepReserve(sweep)) {
     return NULL;
   }
-  if (sweep->snapshotRevision != scene->ownTree.revision) {
+  if (stateChangedSince(changes, sweep->snapshot.builtFrom)) {
     /* Equal states have equal bits: use the reference whenever it is the state. */
     if (scene->sequence.displacedCount == 0) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
@@ -40,7 +41,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
       return NULL;
     }
     ctSweepBound(sweep);
-    sweep->snapshotRevision = scene->ownTree.revision;
+    sweep->snapshot.builtFrom = changes->now;
   }
   return sweep;
 }

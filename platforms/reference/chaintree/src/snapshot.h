@@ -15,6 +15,7 @@ typedef struct SnapshotBoxes {
 } SnapshotBoxes;
 
 typedef struct Snapshot {
+  Revision builtFrom;
   Block* leaf;            /* per leaf: positions from `origin`, INFINITY where no particle is modelled; and radii */
   SnapshotBoxes* boxes;   /* per inner node, from levelBegin[1] on */
   const double* position; /* per particle that has a slot, in double: the reference, or `moved` */

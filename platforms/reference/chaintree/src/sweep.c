@@ -9,7 +9,7 @@ void ctSweepInit(Sweep* sweep, const Tree* layout, const Sequence* sequence, con
   sweep->layout = layout;
   sweep->sequence = sequence;
   sweep->exclusions = exclusions;
-  sweep->snapshotRevision = NO_REVISION;
+  sweep->snapshot.builtFrom = NO_REVISION;
 }
 
 void ctSweepFree(Sweep* sweep) {

@@ -26,7 +26,6 @@ typedef struct Sweep {
   const Exclusions* exclusions;
   Arena arena; /* of everything below, which is made when first needed */
   Snapshot snapshot;
-  int64_t snapshotRevision; /* the tree's revision that the snapshot shows, or NO_REVISION */
   /* For neighbours. */
   Ranks* ranks; /* NULL: nothing is made yet */
   int* lowest;  /* per leaf: no particle is below */

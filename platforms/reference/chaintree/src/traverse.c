@@ -20,7 +20,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, World* world, const Exclusions
   t->movedCapacity = tree->nodeCount < MOST_MOVED_ENTRIES ? tree->nodeCount : MOST_MOVED_ENTRIES;
   t->tree = tree;
   t->world = world;
-  t->firstNodesRevision = NO_REVISION;
+  t->firstNodesFrom = NO_REVISION;
   t->mostFirstNodes = MOST_FIRST_NODES;
   t->mostUnaskedNodes = MOST_UNASKED_NODES;
   t->mostBoxedNodes = MOST_BOXED_NODES;
@@ -47,11 +47,7 @@ bool ctTraversalBuild(Traversal* t, Arena* arena, World* world, const Exclusions
       t->leafBoxes[i].ends[0][k] = INT16_MAX; /* below no limit: no member */
     }
   }
-  t->steadyRevision = NO_REVISION;
-  for (size_t i = 0; i < inner; i++) {
-    t->boxes[i].ownRevision = NO_REVISION;
-    t->boxes[i].worldRevision = NO_REVISION;
-  }
+  t->boxesFrom = NO_REVISION;
   return true;
 }
 

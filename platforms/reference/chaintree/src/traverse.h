@@ -51,27 +51,25 @@ typedef struct Traversal {
   World* world;
 
   /* The nodes that tests of few slots start with. */
-  int64_t firstNodesRevision; /* the tree's for which they are up to date */
-  int firstLevel;             /* of these nodes */
-  int mostFirstNodes;         /* MOST_FIRST_NODES, but for tests */
-  int mostUnaskedNodes;       /* MOST_UNASKED_NODES, but for tests */
+  Revision firstNodesFrom; /* they are up to date with this revision */
+  int firstLevel;          /* of these nodes */
+  int mostFirstNodes;      /* MOST_FIRST_NODES, but for tests */
+  int mostUnaskedNodes;    /* MOST_UNASKED_NODES, but for tests */
 
   /* Boxes around leaves, per node over leaves, which tests of few slots read instead of spheres: half as many are near,
    * and a comparison takes a third of the time. They are made once only few leaves at a time have moved for a while;
    * then leaves that move get new ones. */
   ShortBoxes* leafBoxes;
-  float boxScale;         /* units a nm */
-  int mostBoxedNodes;     /* MOST_BOXED_NODES, but for tests */
-  int testsPerLeaf;       /* TESTS_PER_LEAF, but for tests */
-  int testsToBoxes;       /* 0: all leaves have boxes, and world coordinates up to rounding, but for those noted since
-                           * boxedCount */
-  int64_t steadyRevision; /* the tree's since which only noted leaves have moved, as of the last test */
-  int64_t boxedCount;     /* Tree.notedCount */
+  float boxScale;     /* units a nm */
+  int mostBoxedNodes; /* MOST_BOXED_NODES, but for tests */
+  int testsPerLeaf;   /* TESTS_PER_LEAF, but for tests */
+  int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates up to rounding */
+  Revision boxesFrom; /* the last test: since then only listed leaves have moved, or there will be no boxes */
 
   /* Boxes of children, per inner node, from levelBegin[1] on. A descent tests boxes after its first visitsWithoutBoxes
    * visits; that number grows while boxes separate few pairs, and shrinks while they separate many. */
   struct ChildBoxes* boxes;
-  struct Box* box; /* per node: around its members in its own frame; outdated where the tree says so */
+  struct Box* box; /* per node: around its members in its own frame */
   int visitsWithoutBoxes;
   bool alwaysBoxes; /* for tests: at all visits */
 

@@ -36,15 +36,15 @@ void ctTreeLayOut(Tree* tree, int slotCount) {
 
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct Wide* wide) {
   tree->wide = wide;
+  tree->builtFrom = NO_REVISION;
   tree->knownLink = CT_NULL;
   ctTreeLayOut(tree, sequence->slotCount);
   const size_t nodes = (size_t)tree->nodeCount;
   tree->shortcut = ctArenaAllocate(arena, nodes, sizeof(Frame));
   tree->pose = ctArenaAllocate(arena, nodes, sizeof(Frame));
   tree->bound = ctArenaAllocate(arena, nodes, sizeof(Bound));
-  tree->boxIsOutdated = ctArenaAllocate(arena, nodes, sizeof(bool));
-  tree->contentRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
-  tree->shortcutRevision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
+  tree->contentRevision = ctArenaAllocate(arena, nodes, sizeof(Revision));
+  tree->shortcutRevision = ctArenaAllocate(arena, nodes, sizeof(Revision));
   tree->leaf = ctArenaAllocate(arena, (size_t)tree->levelBegin[1], sizeof(Leaf));
   tree->members = ctArenaAllocate(arena, nodes - (size_t)tree->levelBegin[1], sizeof(Members));
   tree->stem = ctArenaAllocate(arena, (size_t)sequence->openPathCount, sizeof(Frame));
@@ -54,8 +54,8 @@ bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struc
   tree->dirty = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->loose = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
   tree->isLoose = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(bool));
-  tree->changedLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
-  tree->changeRevision = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int64_t));
+  tree->changes.shortcutLeaf = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(int));
+  tree->changes.shortcutRevision = ctArenaAllocate(arena, (size_t)tree->levelSize[0], sizeof(Revision));
   if (arena->failed) {
     return false;
   }
@@ -69,19 +69,14 @@ static void refreshRoot(Tree* tree) {
   tree->pose[treeRoot(tree)] = transformIdentity();
 }
 
-/* Notes that all leaves behind this one move now. */
-static void noteChange(Tree* tree, int firstLeaf) {
-  while (tree->changeCount > 0 && tree->changedLeaf[tree->changeCount - 1] >= firstLeaf) {
-    tree->changeCount--;
-  }
-  tree->changedLeaf[tree->changeCount] = firstLeaf;
-  tree->changeRevision[tree->changeCount++] = tree->revision;
+/* Begins a change of the state. */
+static void beginChange(Tree* tree) {
+  tree->changes.ofState = ++tree->changes.now;
 }
 
 void ctTreeMakeOutdated(Tree* tree) {
-  tree->isOutdated = true;
-  tree->revision += 2;
-  noteChange(tree, 0);
+  beginChange(tree);
+  noteShortcut(&tree->changes, 0);
 }
 
 static void forgetLoose(Tree* tree) {
@@ -110,14 +105,14 @@ void ctTreeRefresh(Tree* tree, const Sequence* sequence) {
   }
   refreshRoot(tree);
   forgetLoose(tree);
-  tree->isOutdated = false;
+  tree->builtFrom = tree->changes.now;
 }
 
 /* Recomputes the leaf that holds the step from a link to the next, once an update. Dirty leaves are listed: returns how
  * many there are. */
 static int refreshStep(Tree* tree, const Sequence* s, int link, int dirty) {
   const int leaf = coveringNode(s->slotBegin[link + 1] - 1);
-  if (tree->contentRevision[leaf] != tree->revision) {
+  if (tree->contentRevision[leaf] != tree->changes.now) {
     tree->dirty[dirty++] = leaf;
     tree->wide->refreshLeaf(tree, s, leaf);
   }
@@ -149,7 +144,7 @@ static int refreshSideBranches(Tree* tree, const Sequence* s, const int* links, 
     if (s->sideBranchPart[link] != notInSideBranch && link >= done) {
       done = sequenceEnd(s, link);
       for (int leaf = coveringNode(s->slotBegin[link]); leaf * TREE_WIDTH < s->slotBegin[done]; leaf++) {
-        if (tree->contentRevision[leaf] != tree->revision) {
+        if (tree->contentRevision[leaf] != tree->changes.now) {
           tree->dirty[dirty++] = leaf;
         }
         const bool holds = tree->wide->refreshSideBranch(tree, s, link, leaf);
@@ -164,18 +159,18 @@ static int refreshSideBranches(Tree* tree, const Sequence* s, const int* links, 
   return dirty;
 }
 
-/* Notes the leaves of the intervals that these links move. What lies behind them moves by rounding alone, since
+/* Lists the leaves of the intervals that these links move. What lies behind them moves by rounding alone, since
  * positions are a function of the state. */
-static void noteIntervals(Tree* tree, const Sequence* s, const int* links, int count) {
+static void listIntervals(Tree* tree, const Sequence* s, const int* links, int count) {
   for (int i = 0; i < count; i++) {
     const int begin = coveringNode(s->slotBegin[links[i]]);
     const int end = coveringNode(s->slotBegin[sequenceEnd(s, links[i])] - 1) + 1;
-    if (end - begin > MOST_LEAVES_NOTED) {
-      tree->unnotedRevision = tree->revision;
+    if (end - begin > MOST_LEAVES_LISTED) {
+      tree->changes.unlisted = tree->changes.now;
       return;
     }
     for (int leaf = begin; leaf < end; leaf++) {
-      treeNoteMoved(tree, leaf);
+      listLeaf(&tree->changes, leaf);
     }
   }
 }
@@ -221,28 +216,15 @@ static int noteLoose(Tree* tree, int dirty) {
   return loose;
 }
 
-/* Marks nodes above loose leaves as recomputed, between this revision and the next: caches of the widened bounds take
- * the tight ones. */
-static void noteTightened(Tree* tree) {
-  for (int i = 0; i < tree->looseCount; i++) {
-    int node = tree->loose[i];
-    for (int level = 0; level < treeTop(tree); level++) {
-      node = treeParent(tree, level, node);
-      tree->contentRevision[node] = tree->revision + 1;
-    }
-  }
-  tree->innerRevision = tree->revision + 1;
-}
-
 void ctTreeTighten(Tree* tree) {
   if (tree->looseCount > 0) {
+    tree->changes.now++; /* caches of the widened bounds take the tight ones */
     ctSortInts(tree->loose, tree->looseCount);
     for (int i = 0; i < tree->looseCount; i++) {
       tree->dirty[i] = tree->loose[i];
       tree->wide->refreshLeafBound(tree, tree->loose[i]);
     }
     refreshAbove(tree, 0, tree->looseCount);
-    noteTightened(tree);
     forgetLoose(tree);
   }
 }
@@ -258,18 +240,19 @@ static bool moveSideBranches(const Sequence* s, const int* links, int count) {
 }
 
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count) {
-  tree->revision += 2;
+  beginChange(tree);
+  tree->builtFrom = tree->changes.now;
   if (moveSideBranches(sequence, links, count)) {
     const int leaves = refreshSideBranches(tree, sequence, links, count, 0, true);
     return leaves + noteLoose(tree, leaves);
   }
   int dirty = refreshSteps(tree, sequence, links, count);
   dirty = refreshSideBranches(tree, sequence, links, count, dirty, false);
-  noteIntervals(tree, sequence, links, count);
+  listIntervals(tree, sequence, links, count);
   ctSortInts(tree->dirty, dirty);
   for (int i = 0; i < dirty; i++) {
-    if (tree->shortcutRevision[tree->dirty[i]] == tree->revision) {
-      noteChange(tree, tree->dirty[i]);
+    if (tree->shortcutRevision[tree->dirty[i]] == tree->changes.now) {
+      noteShortcut(&tree->changes, tree->dirty[i]);
       break;
     }
   }

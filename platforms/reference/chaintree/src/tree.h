@@ -13,16 +13,12 @@
 #ifndef CT_TREE_H_
 #define CT_TREE_H_
 
-#include <limits.h>
-
+#include "changes.h"
 #include "costs.h"
 #include "order.h"
 #include "sequence.h"
 
 enum { TREE_MAX_LEVELS = 8 };
-
-/* A revision before all of a tree. */
-enum { NO_REVISION = -1 };
 
 /* The spheres of a node's members, in its own frame, in the world or in a view. r < 0: no member. */
 typedef struct Block {
@@ -61,11 +57,8 @@ typedef struct LocalFrames {
   double m[12][TREE_WIDTH];
 } LocalFrames;
 
-/* Number of recently moved leaves kept. */
-enum { NOTED_LEAVES = 16 };
-
-/* Longest interval whose leaves are noted one by one. */
-enum { MOST_LEAVES_NOTED = NOTED_LEAVES / 2 };
+/* Longest interval whose leaves are listed one by one. */
+enum { MOST_LEAVES_LISTED = LISTED_LEAVES / 2 };
 
 struct Wide;
 
@@ -82,13 +75,12 @@ typedef struct Tree {
   Leaf* leaf;       /* per node of level 0 */
   Members* members; /* per inner node, from levelBegin[1] on */
   Bound* bound;     /* per node */
-  bool* boxIsOutdated; /* per node: recomputed since Traversal.box was made from it, which clears this */
   Frame* stem; /* per path without return frame, if a side branch begins with it: the frame of the link on which the
                   branch hangs, in the frame of the leaf where the branch begins */
 
   /* Sums of positions, made on first use. */
   double (*sum)[3]; /* per node: of the positions of all its particles, modelled or not, in its own frame */
-  bool* hasSum;     /* per node */
+  bool* hasSum;     /* per node; revisions would take eight times the memory */
   int* particles;   /* per node: how many particles; one without a slot counts where its link begins */
 
   /* During an update by one change: a link of no side branch whose frame in its leaf is known, and before which nothing
@@ -98,8 +90,7 @@ typedef struct Tree {
   Frame knownInLeaf;
   LocalFrames knownLocalFrames; /* of the links of that leaf, before the change */
 
-  bool isOutdated; /* the layout is right, but no content is of the state */
-  int* dirty;      /* scratch: nodes of one level */
+  int* dirty; /* scratch: nodes of one level */
 
   /* A turn in a side branch only widens bounds that it sticks out of, until tight ones are needed: soon a leaf has a
    * bound that holds its side branches however they turn, and another turn changes no node but the leaf. */
@@ -107,19 +98,12 @@ typedef struct Tree {
   int* loose;
   bool* isLoose; /* per leaf */
 
-  /* The revision in which each part of the tree last changed. If the shortcut of a leaf changes, all nodes behind that
-   * leaf move. The list of such leaves, with revisions, ascends in both: a change removes earlier changes of later
-   * leaves. */
-  int64_t revision; /* twice the number of changes so far; odd times: bounds have been made tight after a change */
-  int64_t* contentRevision;  /* per node: when its members were last recomputed */
-  int64_t innerRevision;     /* when those of an inner node were last recomputed */
-  int64_t* shortcutRevision; /* per node: when its shortcut last changed */
-  int64_t notedCount;        /* how often slots of a leaf have had new positions */
-  int noted[NOTED_LEAVES];   /* those leaves: entry i is of number i, i + NOTED_LEAVES ... of these times */
-  int64_t unnotedRevision;   /* when other leaves may have moved, by more than rounding */
-  int changeCount;           /* never 0, since a tree is outdated at first */
-  int* changedLeaf;
-  int64_t* changeRevision;
+  /* When each part last changed. */
+  Changes changes;
+  Revision builtFrom;         /* the content is of this revision; the layout is always right */
+  Revision* contentRevision;  /* per node: when its members were last recomputed */
+  Revision* shortcutRevision; /* per node: when its shortcut last changed */
+  Revision innerRevision;     /* when the members of an inner node were last recomputed */
 } Tree;
 
 static inline int treeTop(const Tree* tree) {
@@ -171,35 +155,10 @@ static inline void treeLocal(const Tree* tree, int slot, double local[3]) {
   local[2] = leaf->z[memberIndex(slot)];
 }
 
-/* Notes that slots of a leaf have new positions in the world. */
-static inline void treeNoteMoved(Tree* tree, int leaf) {
-  tree->noted[tree->notedCount++ % NOTED_LEAVES] = leaf;
-}
-
-/* True if no node has moved since a revision. */
-static inline bool treeStays(const Tree* tree, int64_t since) {
-  return tree->changeRevision[tree->changeCount - 1] <= since;
-}
-
-/* The first leaf that may have moved since a revision; INT_MAX: none has. O(log N). */
-static inline int treeFirstMoved(const Tree* tree, int64_t since) {
-  /* Without a branch on the result, which processors would mispredict. */
-  int low = 0;
-  for (int left = tree->changeCount; left > 0;) {
-    const int half = (left + 1) / 2;
-    low += tree->changeRevision[low + half - 1] <= since ? half : 0;
-    left -= half;
-  }
-  return low == tree->changeCount ? INT_MAX : tree->changedLeaf[low];
-}
-
-/* True if no leaf before `leafEnd` has moved since a revision. O(log N). */
-static inline bool treeLeavesStay(const Tree* tree, int64_t since, int leafEnd) {
-  const int last = tree->changeCount - 1;
-  if (tree->changedLeaf[last] < leafEnd) { /* mostly */
-    return tree->changeRevision[last] <= since;
-  }
-  return treeFirstMoved(tree, since) >= leafEnd;
+/* True if a node, or something below it, may have moved with a leaf before it since a revision. */
+static inline bool nodeMovedSince(const Tree* tree, int level, int node, Revision since) {
+  const int leafEnd = (node - tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
+  return leavesMovedSince(&tree->changes, since, leafEnd);
 }
 
 /* Numbers the nodes of a zeroed tree over one slot or more. */
@@ -208,7 +167,7 @@ void ctTreeLayOut(Tree* layout, int slotCount);
 /* Lays out a tree over a sequence of one slot or more, without content. False if there is no memory. */
 bool ctTreeBuild(Tree* tree, Arena* arena, const Sequence* sequence, const struct Wide* wide);
 
-/* To be called when the sequence has a new state: all content is outdated until it is refreshed. */
+/* Call when the sequence has a new state: no content is of it until it is refreshed. */
 void ctTreeMakeOutdated(Tree* tree);
 
 /* Recomputes everything from the sequence's state: O(N). */

@@ -389,7 +389,7 @@ bool ctSceneEnterTrial(ctChainTree* tree) {
 void ctSceneLeaveTrial(ctChainTree* tree, bool areLeavesKept) {
   applyTrial(tree, false);
   if (areLeavesKept) {
-    tree->leaves.revision = ctSceneTree(tree)->revision;
+    tree->leaves.builtFrom = ctSceneTree(tree)->changes.now;
   }
 }
 

@@ -38,7 +38,7 @@ static bool boxHolds(const ctChainTree* scene, int level, int node) {
   int end;
   const int begin = treeSlots(tree, level, node, &end);
   const Frame frame = ctTreeFrame(tree, level, node);
-  for (int slot = begin; slot < end && !tree->boxIsOutdated[node]; slot++) {
+  for (int slot = begin; slot < end && box->builtFrom >= tree->contentRevision[node]; slot++) {
     if (!slotIsModelled(&scene->sequence, slot)) {
       continue;
     }

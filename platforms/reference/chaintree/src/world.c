@@ -13,9 +13,7 @@ bool ctWorldBuild(World* w, Arena* arena, const Tree* tree) {
   w->tree = tree;
   w->leafEntryCount = leaves < MOST_LEAF_ENTRIES ? leaves : MOST_LEAF_ENTRIES;
   const size_t entries = (size_t)w->leafEntryCount + inner;
-  w->revision = ctArenaAllocate(arena, nodes, sizeof(int64_t));
-  w->membersRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
-  w->frameRevision = ctArenaAllocate(arena, inner, sizeof(int64_t));
+  w->builtFrom = ctArenaAllocate(arena, nodes, sizeof(Revision));
   w->entryOf = ctArenaAllocate(arena, nodes, sizeof(int));
   w->leafOfEntry = ctArenaAllocate(arena, (size_t)w->leafEntryCount, sizeof(int));
   w->frame = ctArenaAllocate(arena, entries, sizeof(Frame));
@@ -27,7 +25,7 @@ bool ctWorldBuild(World* w, Arena* arena, const Tree* tree) {
     w->leafOfEntry[entry] = CT_NULL;
   }
   for (int node = 0; node < tree->nodeCount; node++) {
-    w->revision[node] = NO_REVISION;
+    w->builtFrom[node] = NO_REVISION;
     w->entryOf[node] = node < leaves ? CT_NULL : w->leafEntryCount + node - leaves;
   }
   return true;
@@ -43,6 +41,6 @@ const Frame* ctWorldLeafFrame(World* w, int leaf) {
 void ctWorldChangeRadii(World* w, bool hasSurfaces) {
   w->hasSurfaces = hasSurfaces;
   for (int node = 0; node < w->tree->nodeCount; node++) {
-    w->revision[node] = NO_REVISION;
+    w->builtFrom[node] = NO_REVISION;
   }
 }

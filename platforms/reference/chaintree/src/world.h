@@ -8,11 +8,9 @@
 
 typedef struct World {
   const Tree* tree;
-  bool hasSurfaces;         /* the radii of members are of surfaces, else of centres */
-  int64_t* revision;        /* per node: the tree's when frame and members were right; NO_REVISION: it has none */
-  int64_t* membersRevision; /* per inner node, from levelBegin[1] on: the tree's when the members were computed */
-  int64_t* frameRevision;   /* per inner node: the tree's when the frame was last computed; 0 for the root */
-  int* entryOf;             /* per node: its entry in the two arrays below; CT_NULL: another leaf has taken that */
+  bool hasSurfaces;    /* the radii of members are of surfaces, else of centres */
+  Revision* builtFrom; /* per node: frame and members are of this revision; NO_REVISION: it has none */
+  int* entryOf;        /* per node: its entry in the two arrays below; CT_NULL: another leaf has taken that */
 
   /* Entries: one for each inner node, and this many for the leaves updated last. */
   int leafEntryCount;
@@ -33,8 +31,8 @@ void ctWorldChangeRadii(World* world, bool hasSurfaces);
 
 /* True if frame and members of a node are known to be right. */
 static inline bool hasWorld(const World* w, int node) {
-  const int64_t since = w->revision[node];
-  return w->tree->contentRevision[node] <= since && treeStays(w->tree, since);
+  const Revision since = w->builtFrom[node];
+  return w->tree->contentRevision[node] <= since && !movedSince(&w->tree->changes, since);
 }
 
 #endif /* CT_WORLD_H_ */

@@ -94,7 +94,7 @@ static void testMethod(const char* method) {
   int clashing = 0;
   int tipsClashing = 0;
   for (int trial = 0; trial < TRIALS; trial++) {
-    trees[1]->traversal.firstNodesRevision = NO_REVISION;
+    trees[1]->traversal.firstNodesFrom = NO_REVISION;
     const Answers tips[2] = {askTip(trees[0], trial), askTip(trees[1], trial)};
     CHECK(tips[0].clash == tips[1].clash);
     CHECK(tips[0].counts.particleTests == tips[1].counts.particleTests);

@@ -142,10 +142,10 @@ static bool worldHolds(const ctChainTree* tree) {
   for (int level = 1; level < t->levelCount; level++) {
     for (int i = 0; i < t->levelSize[level]; i++) {
       const int node = t->levelBegin[level] + i;
-      const int64_t since = world->revision[node];
+      const Revision since = world->builtFrom[node];
       int count;
       treeChildren(t, level, node, &count);
-      for (int k = 0; k < count && treeStays(t, since) && t->contentRevision[node] <= since; k++) {
+      for (int k = 0; k < count && !movedSince(&t->changes, since) && t->contentRevision[node] <= since; k++) {
         if (!holdsInWorld(tree, &world->members[world->entryOf[node]], level, node, k)) {
           return false;
         }

@@ -51,7 +51,7 @@ static bool nodeStays(const LeafUpdate* u, int level, int node) {
     return isStatic(u, level, node);
   }
   const int leafEnd = (node - u->tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
-  return u->tree->contentRevision[node] <= u->leaves->revision && leafEnd <= u->firstMoved;
+  return u->tree->contentRevision[node] <= u->leaves->builtFrom && leafEnd <= u->firstMoved;
 }
 
 /* Updates the leaves below a node, and its own box, which is member k of its parent. */

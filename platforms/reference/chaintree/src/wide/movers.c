@@ -304,36 +304,39 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
     CT_WIDE(updateWorldLeaf)(t->world, leaf);
     boxLeaf(t, leaf);
   }
-  t->boxedCount = t->tree->notedCount;
 }
 
-/* Makes new boxes of leaves that have moved, unless more have than are remembered. */
-CT_NOINLINE void boxNoted(Traversal* t) {
-  const Tree* tree = t->tree;
-  if (tree->notedCount - t->boxedCount > NOTED_LEAVES) {
+/* Makes new boxes of leaves that have moved since the last test, unless more have than are listed. */
+CT_NOINLINE void boxListed(Traversal* t) {
+  const Changes* changes = &t->tree->changes;
+  int count = 0;
+  while (count < LISTED_LEAVES && listedLeaf(changes, count).revision > t->boxesFrom) {
+    count++;
+  }
+  if (count == LISTED_LEAVES) {
     waitForBoxes(t);
     return;
   }
-  for (; t->boxedCount < tree->notedCount; t->boxedCount++) {
-    const int leaf = tree->noted[t->boxedCount % NOTED_LEAVES];
+  for (int i = 0; i < count; i++) {
+    const int leaf = listedLeaf(changes, i).leaf;
     CT_WIDE(updateWorldLeaf)(t->world, leaf);
     boxLeaf(t, leaf);
   }
 }
 
-/* Updates the boxes of leaves, or drops them if other leaves may have moved than the noted ones. */
+/* Updates the boxes of leaves, or drops them if other leaves may have moved than the listed ones. */
 static void followLeaves(Traversal* t) {
-  const Tree* tree = t->tree;
-  if (tree->unnotedRevision > t->steadyRevision) {
-    t->steadyRevision = tree->revision;
+  const Changes* changes = &t->tree->changes;
+  if (changes->unlisted > t->boxesFrom) {
     waitForBoxes(t);
   } else if (t->testsToBoxes > 0) {
     if (--t->testsToBoxes == 0) {
       boxLeaves(t);
     }
-  } else if (t->boxedCount != tree->notedCount) {
-    boxNoted(t);
+  } else if (stateChangedSince(changes, t->boxesFrom)) {
+    boxListed(t);
   }
+  t->boxesFrom = changes->now;
 }
 
 /* ---- Movers against static slots ---- */
@@ -351,18 +354,18 @@ CT_NOINLINE void updateFirstNodes(Traversal* t) {
       updateWorld(t->world, level, tree->levelBegin[level] + i);
     }
   }
-  t->firstNodesRevision = tree->innerRevision > tree->revision ? tree->innerRevision : tree->revision;
+  t->firstNodesFrom = tree->changes.now;
 }
 
 /* Updates the nodes where a test starts, and these leaves. With boxes they are up to date already: leaves in which
- * something has moved are noted, and come with the nodes above them. */
+ * something has moved are listed, and come with the nodes above them. */
 static void updateFirst(Traversal* t, int begin, int end) {
   const Tree* tree = t->tree;
   followLeaves(t);
   if (t->testsToBoxes == 0) {
     return;
   }
-  if (t->firstNodesRevision < tree->innerRevision || !treeStays(tree, t->firstNodesRevision)) {
+  if (t->firstNodesFrom < tree->innerRevision || movedSince(&tree->changes, t->firstNodesFrom)) {
     updateFirstNodes(t);
   }
   for (int leaf = begin; leaf < end; leaf++) {

@@ -3,14 +3,14 @@
 /* The sphere of a slot of this body in the view. */
 static Sphere slotSphere(Traversal* t, int slot, int body) {
   const int leaf = coveringNode(slot);
-  const int64_t since = t->world->revision[leaf];
+  const Revision since = t->world->builtFrom[leaf];
   if (t->tree->contentRevision[leaf] > since) {
     CT_WIDE(updateWorldLeaf)(t->world, leaf);
-  } else if (!treeStays(t->tree, since)) {
-    if (hasFrame(t->world, 0, leaf)) {
-      confirmWorld(t->world, leaf);
-    } else {
+  } else if (movedSince(&t->tree->changes, since)) {
+    if (nodeMovedSince(t->tree, 0, leaf, since)) {
       CT_WIDE(updateWorldLeaf)(t->world, leaf);
+    } else {
+      confirmWorld(t->world, leaf);
     }
   }
   return sphereInView(t, sphereOf(worldOf(t->world, leaf), memberIndex(slot)), body);

@@ -166,10 +166,9 @@ void CT_WIDE(refreshLeafBound)(Tree* tree, int leaf) {
 
 /* Notes that slots of a leaf have new positions in its frame. */
 static void noteLeaf(Tree* tree, int leaf) {
-  tree->contentRevision[leaf] = tree->revision;
+  tree->contentRevision[leaf] = tree->changes.now;
   tree->hasSum[leaf] = false;
-  tree->boxIsOutdated[leaf] = true;
-  treeNoteMoved(tree, leaf);
+  listLeaf(&tree->changes, leaf);
 }
 
 /* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */
@@ -228,7 +227,7 @@ void CT_WIDE(refreshLeaf)(Tree* tree, const Sequence* sequence, int leaf) {
   /* Compares bits: 0 and -0 differ. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
   if (memcmp(tree->shortcut[leaf].m, shortcut.m, sizeof shortcut.m) != 0) {
     tree->shortcut[leaf] = shortcut;
-    tree->shortcutRevision[leaf] = tree->revision;
+    tree->shortcutRevision[leaf] = tree->changes.now;
   }
   CT_WIDE(refreshLeafBound)(tree, leaf);
   noteLeaf(tree, leaf);
@@ -348,8 +347,8 @@ void CT_WIDE(widenAbove)(Tree* tree, int leaf) {
     Columns pose;
     columnsOf(&tree->pose[child], &pose);
     placeMember(tree, &pose, child, k, members);
-    tree->contentRevision[node] = tree->revision;
-    tree->innerRevision = tree->revision;
+    tree->contentRevision[node] = tree->changes.now;
+    tree->innerRevision = tree->changes.now;
     const float x = members->block.x[k] - bound->x;
     const float y = members->block.y[k] - bound->y;
     const float z = members->block.z[k] - bound->z;
@@ -384,17 +383,16 @@ void CT_WIDE(refreshInnerNode)(Tree* tree, int level, int node, const int* chang
       columnsOf(&tree->pose[child], &pose);
     }
     placeMember(tree, &pose, child, child - first, members);
-    moved = moved || tree->shortcutRevision[child] == tree->revision;
+    moved = moved || tree->shortcutRevision[child] == tree->changes.now;
     child = moved ? child + 1 : ++done < count ? changed[done] : last + 1;
   }
   if (moved) {
     columnsCompose(&pose, tree->shortcut[last].m[0], 1);
     tree->shortcut[node] = frameOfColumns(&pose);
-    tree->shortcutRevision[node] = tree->revision;
+    tree->shortcutRevision[node] = tree->changes.now;
   }
   tree->bound[node] = boundOfMembers(&members->block, members->centres);
-  tree->contentRevision[node] = tree->revision;
-  tree->innerRevision = tree->revision;
+  tree->contentRevision[node] = tree->changes.now;
+  tree->innerRevision = tree->changes.now;
   tree->hasSum[node] = false;
-  tree->boxIsOutdated[node] = true;
 }

@@ -103,8 +103,8 @@ void CT_WIDE(startView)(Traversal* t, const View* view) {
   }
   if (t->world->hasSurfaces != view->surfaces) {
     ctWorldChangeRadii(t->world, view->surfaces);
-    t->firstNodesRevision = NO_REVISION;
-    t->steadyRevision = NO_REVISION;
+    t->firstNodesFrom = NO_REVISION;
+    t->boxesFrom = NO_REVISION;
   }
   t->mixedNodeCount = 0;
   t->nextMoved = 0;

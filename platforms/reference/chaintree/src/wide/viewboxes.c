@@ -10,14 +10,15 @@ static ChildBoxes* boxesOf(const Traversal* t, int node) {
 static const Box* ownBox(Traversal* t, int level, int node) {
   const Tree* tree = t->tree;
   Box* box = &t->box[node];
-  if (!tree->boxIsOutdated[node]) {
+  const Revision since = box->builtFrom;
+  if (tree->contentRevision[node] <= since) {
     return box;
   }
-  tree->boxIsOutdated[node] = false;
   if (level == 0) {
     Block block;
     leafBlock(&tree->leaf[node], &block);
     *box = boxAround(&block, NULL, &tree->bound[node]);
+    box->builtFrom = tree->changes.now;
     return box;
   }
   ChildBoxes* boxes = boxesOf(t, node);
@@ -26,20 +27,20 @@ static const Box* ownBox(Traversal* t, int level, int node) {
   const int first = treeChildren(tree, level, node, &count);
   for (int k = 0; k < count; k++) {
     const int child = first + k;
-    moved = moved || (k > 0 && tree->shortcutRevision[child - 1] > boxes->ownRevision);
-    if (tree->bound[child].r >= 0 && (moved || tree->contentRevision[child] > boxes->ownRevision)) {
+    moved = moved || (k > 0 && tree->shortcutRevision[child - 1] > since);
+    if (tree->bound[child].r >= 0 && (moved || tree->contentRevision[child] > since)) {
       float pose[12];
       floatMotion(&tree->pose[child], pose);
       const Box inner = movedBox(ownBox(t, level - 1, child), pose);
       putBox(&boxes->own, k, &inner);
     }
   }
-  boxes->ownRevision = tree->revision + 1; /* bounds are tight then */
-  boxes->worldRevision = NO_REVISION;
+  boxes->worldFrom = NO_REVISION;
   /* The box of the root is not needed. */
   if (level < treeTop(tree)) {
     *box = boxAround(&treeMembers(tree, node)->block, &boxes->own, &tree->bound[node]);
   }
+  box->builtFrom = tree->changes.now;
   return box;
 }
 
@@ -83,15 +84,21 @@ static const BoxBlock* mixedNodeBoxes(Traversal* t, int level, int node) {
   return &s->boxes;
 }
 
-const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node) {
-  ChildBoxes* boxes = boxesOf(t, node);
-  ownBox(t, level, node);
-  const int64_t membersRevision = t->world->membersRevision[node - t->tree->levelBegin[1]];
-  if (boxes->worldRevision != membersRevision) {
-    boxes->worldRevision = membersRevision;
+/* Moves the boxes of children into the world, unless they are right. The node must be placed. */
+static void updateWorldBoxes(const Traversal* t, int level, int node, ChildBoxes* boxes) {
+  if (nodeMovedSince(t->tree, level, node, boxes->worldFrom)) {
     float frame[12];
     floatMotion(&t->world->frame[t->world->entryOf[node]], frame);
     moveBoxes(&boxes->own, frame, &boxes->world);
+  }
+  boxes->worldFrom = t->tree->changes.now;
+}
+
+const BoxBlock* CT_WIDE(boxesInView)(Traversal* t, int level, int node) {
+  ChildBoxes* boxes = boxesOf(t, node);
+  ownBox(t, level, node);
+  if (boxes->worldFrom != t->tree->changes.now) {
+    updateWorldBoxes(t, level, node, boxes);
   }
   const int code = t->body[node];
   if (code < 0) {

@@ -29,7 +29,7 @@ static void takeEntry(World* w, int leaf) {
   const int entry = w->nextEntry;
   const int other = w->leafOfEntry[entry];
   if (other != CT_NULL) {
-    w->revision[other] = NO_REVISION;
+    w->builtFrom[other] = NO_REVISION;
     w->entryOf[other] = CT_NULL;
     w->inView[other] = NULL; /* its coordinates are overwritten */
   }
@@ -51,26 +51,22 @@ static void recomputeFrame(World* w, int level, int node) {
   }
   const int parent = treeParent(tree, level, node);
   *frame = transformCompose(&w->frame[w->entryOf[parent]], &tree->pose[node]);
-  if (level > 0) {
-    w->frameRevision[node - tree->levelBegin[1]] = tree->revision;
-  }
 }
 
 /* Recomputes the changed parts of a node's frame and members in the world. */
 void CT_WIDE(recomputeWorld)(World* w, int level, int node) {
   const Tree* tree = w->tree;
-  if (!hasFrame(w, level, node)) {
+  if (nodeMovedSince(tree, level, node, w->builtFrom[node])) {
     recomputeFrame(w, level, node);
-  } else if (tree->contentRevision[node] <= w->revision[node]) {
+  } else if (tree->contentRevision[node] <= w->builtFrom[node]) {
     confirmWorld(w, node);
     return;
   }
-  w->revision[node] = tree->contentRevision[node] > tree->revision ? tree->contentRevision[node] : tree->revision;
+  w->builtFrom[node] = tree->changes.now;
   if (level == 0) {
     worldLeaf(w, node);
   } else {
     worldInnerNode(w, node);
-    w->membersRevision[node - tree->levelBegin[1]] = w->revision[node];
   }
 }
 

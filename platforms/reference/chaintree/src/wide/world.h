@@ -22,24 +22,9 @@ static inline void floatMotion(const Frame* f, float motion[12]) {
   }
 }
 
-/* True if the kept world frame is right. */
-static inline bool hasFrame(const World* w, int level, int node) {
-  const Tree* tree = w->tree;
-  const int64_t since = w->revision[node];
-  if (since == NO_REVISION) {
-    return false;
-  }
-  if (level < treeTop(tree) && w->frameRevision[treeParent(tree, level, node) - tree->levelBegin[1]] > since) {
-    return false; /* mostly: the parent has moved since, or something in it */
-  }
-  int end;
-  treeSlots(tree, level, node, &end);
-  return treeLeavesStay(tree, since, (end + TREE_WIDTH - 1) / TREE_WIDTH);
-}
-
 /* Marks world coordinates, which are still right, as of this revision: the next check is quicker. */
 static inline void confirmWorld(World* w, int node) {
-  w->revision[node] = w->tree->revision;
+  w->builtFrom[node] = w->tree->changes.now;
 }
 
 /* Updates the world coordinates of a node's members to the state. Its parent's must be up to date. */
