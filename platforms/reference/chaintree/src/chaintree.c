@@ -127,7 +127,7 @@ void ctGetPositions(ctChainTree* tree, double* positions) {
   if (tree == NULL || positions == NULL) {
     return;
   }
-  ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
+  ctReadPositions(&tree->sequence, ctSceneWorld(tree), positions);
 }
 
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
@@ -139,7 +139,7 @@ ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions) {
     CT_REQUIRE(tree, positions);
   }
   const bool areLeavesKept = ctSceneEnterTrial(tree);
-  ctReadPositions(&tree->sequence, ctSceneTree(tree), positions);
+  ctReadPositions(&tree->sequence, ctSceneWorld(tree), positions);
   ctSceneLeaveTrial(tree, areLeavesKept);
   return ctSuccess;
 }
@@ -160,7 +160,7 @@ ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int*
   if (inTrial) {
     areLeavesKept = ctSceneEnterTrial(tree);
   }
-  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneTree(tree));
+  PositionReader reader = ctPositionReader(&tree->sequence, ctSceneWorld(tree));
   for (int i = 0; i < count; i++) {
     ctReadPosition(&reader, particles[i], positions + 3 * (size_t)i);
   }
@@ -177,7 +177,7 @@ void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions) {
   if (isNewArray) {
     tree->followed.builtFrom = NO_REVISION;
   }
-  ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneTree(tree), positions);
+  ctRefreshPositions(&tree->followed, &tree->sequence, ctSceneWorld(tree), positions);
 }
 
 ctStatus ctFollowTrialPositions(ctChainTree* tree, bool isNewArray, double* positions) {

@@ -85,14 +85,15 @@ bool ctLeafPairsReserve(LeafPairs* pairs, size_t count) {
   return true;
 }
 
-void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence) {
+void ctLeavesUpdate(Leaves* leaves, World* world, const Sequence* sequence) {
+  const Changes* changes = &world->tree->changes;
   if (leaves->builtFrom == NO_REVISION) {
     leaves->positionError = 0; /* all of them are made again */
   }
-  if (stateChangedSince(&tree->changes, leaves->builtFrom)) {
-    const LeafUpdate update = {leaves, tree, sequence, firstMovedSince(&tree->changes, leaves->builtFrom), 0, NULL};
-    tree->wide->updateLeaves(&update);
-    leaves->builtFrom = tree->changes.now;
+  if (stateChangedSince(changes, leaves->builtFrom)) {
+    const LeafUpdate update = {leaves, world, sequence, firstMovedSince(changes, leaves->builtFrom), 0, NULL};
+    world->tree->wide->updateLeaves(&update);
+    leaves->builtFrom = changes->now;
   }
 }
 
@@ -104,16 +105,16 @@ bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree) {
   return leaves->state != NULL && !stateChangedSince(&tree->changes, leaves->builtFrom);
 }
 
-void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
+void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, int pieceCount, const Piece* pieces,
                     double distanceError) {
   leaves->positionError += distanceError;
   if (leaves->positionError > MOST_ERROR) {
     ctLeavesForget(leaves);
     return;
   }
-  const LeafUpdate update = {leaves, tree, sequence, 0, pieceCount, pieces};
-  tree->wide->updateLeaves(&update);
-  leaves->builtFrom = tree->changes.now;
+  const LeafUpdate update = {leaves, world, sequence, 0, pieceCount, pieces};
+  world->tree->wide->updateLeaves(&update);
+  leaves->builtFrom = world->tree->changes.now;
 }
 
 /* ---- Public calls ---- */
@@ -141,7 +142,7 @@ const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
     ctFailOutOfMemory(tree);
     return NULL;
   }
-  ctLeavesUpdate(&tree->leaves, ctSceneTree(tree), &tree->sequence);
+  ctLeavesUpdate(&tree->leaves, ctSceneWorld(tree), &tree->sequence);
   return tree->leaves.state;
 }
 
@@ -181,7 +182,7 @@ ctStatus ctLeavesBegin(ctChainTree* scene, bool inTrial, double cutoff, LeafTask
   if (!ctLeavesReserve(leaves, tree, &scene->sequence) || !ctLeavesReservePairs(leaves, tree)) {
     return ctFailOutOfMemory(scene);
   }
-  ctLeavesUpdate(leaves, tree, &scene->sequence);
+  ctLeavesUpdate(leaves, &scene->world, &scene->sequence);
   *task = (LeafTask){
       .leaves = leaves, .tree = tree, .sequence = &scene->sequence, .exclusions = &scene->exclusions, .cutoff = cutoff};
   if (inTrial) {

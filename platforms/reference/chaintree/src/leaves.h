@@ -52,7 +52,7 @@ typedef struct Leaves {
 /* Leaves to be recomputed: leaves that have moved in the tree, or that pieces move. */
 typedef struct LeafUpdate {
   Leaves* leaves;
-  const Tree* tree;
+  World* world;
   const Sequence* sequence;
   int firstMoved;      /* leaf, since leaves->builtFrom */
   int pieceCount;      /* 0: by the tree */
@@ -84,7 +84,7 @@ bool ctLeavesReservePairs(Leaves* leaves, const Tree* tree);
 void ctLeavesFree(Leaves* leaves);
 
 /* Updates positions and boxes to the state; the tree must be up to date. */
-void ctLeavesUpdate(Leaves* leaves, const Tree* tree, const Sequence* sequence);
+void ctLeavesUpdate(Leaves* leaves, World* world, const Sequence* sequence);
 
 /* Call after changes other than accept. */
 void ctLeavesForget(Leaves* leaves);
@@ -94,7 +94,7 @@ bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree);
 
 /* Updates positions and boxes of the former state to the accepted trial: recomputes leaves with slots that are not
  * static in these pieces. Other distances have changed by at most `distanceError`. */
-void ctLeavesFollow(Leaves* leaves, const Tree* tree, const Sequence* sequence, int pieceCount, const Piece* pieces,
+void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, int pieceCount, const Piece* pieces,
                     double distanceError);
 
 /* Updates leaves, and writes a task for the state or the open trial. Fails if there is no memory. */

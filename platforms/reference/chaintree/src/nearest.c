@@ -47,7 +47,7 @@ static Cloud cloudOfSlots(ctChainTree* scene, const ctSelection* selection) {
 /* Computes the world coordinates of the particles that are not modelled. */
 static Cloud cloudOfUnmodelled(ctChainTree* scene, ctSelection* selection, Nearest* nearest) {
   const Tree* tree = ctSceneTree(scene);
-  PositionReader reader = ctPositionReader(&scene->sequence, tree);
+  PositionReader reader = ctPositionReader(&scene->sequence, &scene->world);
   for (int i = 0; i < selection->unmodelledCount; i++) {
     double* point = selection->unmodelledPoint[i];
     ctReadFromOrigin(&reader, selection->unmodelled[i], point);
@@ -83,7 +83,7 @@ static double knownDistance(ctChainTree* scene, const ctSelection* one, const ct
     return INFINITY;
   }
   double x[2][3];
-  PositionReader reader = ctPositionReader(&scene->sequence, ctSceneTree(scene));
+  PositionReader reader = ctPositionReader(&scene->sequence, ctSceneWorld(scene));
   for (int k = 0; k < 2; k++) {
     ctReadFromOrigin(&reader, one->nearest[k], x[k]);
   }

@@ -2,10 +2,10 @@
 
 #include <string.h>
 
-PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree) {
+PositionReader ctPositionReader(const Sequence* sequence, World* world) {
   PositionReader reader = {0};
   reader.sequence = sequence;
-  reader.tree = tree;
+  reader.world = world;
   reader.leaf = CT_NULL;
   reader.link = CT_NULL;
   return reader;
@@ -28,15 +28,15 @@ static void readFrame(PositionReader* reader, int link, int particle, double pos
   const int leaf = coveringNode(slot != CT_NULL ? slot : s->slotBegin[link]);
   if (leaf != reader->leaf) {
     reader->leaf = leaf;
-    reader->leafFrame = ctTreeFrame(reader->tree, 0, leaf);
+    reader->leafFrame = ctWorldReadFrame(reader->world, leaf);
   }
   double local[3];
   if (slot != CT_NULL) {
-    treeLocal(reader->tree, slot, local);
+    treeLocal(reader->world->tree, slot, local);
   } else {
     if (link != reader->link) {
       reader->link = link;
-      reader->linkInLeaf = ctTreeLinkInLeaf(reader->tree, s, link);
+      reader->linkInLeaf = ctTreeLinkInLeaf(reader->world->tree, s, link);
     }
     sequenceLocal(s, link, particle, local);
     transformPoint(&reader->linkInLeaf, local, local);
@@ -77,7 +77,7 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) 
 
 static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, double* positions) {
   const Sequence* s = reader->sequence;
-  const Leaf* local = &reader->tree->leaf[leaf];
+  const Leaf* local = &reader->world->tree->leaf[leaf];
   double world[3][TREE_WIDTH]; /* the sums of transformPoint and addOrigin, all slots at a time */
   for (int k = 0; k < 3; k++) {
     for (int i = 0; i < TREE_WIDTH; i++) {
@@ -86,7 +86,7 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
     }
   }
   int end;
-  const int begin = treeSlots(reader->tree, 0, leaf, &end);
+  const int begin = treeSlots(reader->world->tree, 0, leaf, &end);
   for (int slot = begin; slot < end; slot++) {
     const int particle = s->slotParticle[slot];
     if (particle == CT_NULL) {
@@ -105,47 +105,38 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
 
 /* Reads the particles with slots of leaves [begin, end) that have changed since a revision. */
 static void readLeaves(PositionReader* reader, int begin, int end, Revision since, double* positions) {
-  const Tree* tree = reader->tree;
+  const Tree* tree = reader->world->tree;
   const int firstMoved = firstMovedSince(&tree->changes, since);
-  int parent = CT_NULL;
-  Frame parentFrame = transformIdentity();
   for (int leaf = begin; leaf < end; leaf++) {
-    if (leaf < firstMoved && tree->contentRevision[leaf] <= since) {
-      continue;
+    if (leaf >= firstMoved || tree->contentRevision[leaf] > since) {
+      const Frame frame = ctWorldReadFrame(reader->world, leaf);
+      readLeaf(reader, leaf, &frame, positions);
     }
-    Frame frame = tree->pose[leaf];
-    if (treeTop(tree) > 0) {
-      if (parent != treeParent(tree, 0, leaf)) {
-        parent = treeParent(tree, 0, leaf);
-        parentFrame = ctTreeFrame(tree, 1, parent);
-      }
-      frame = transformCompose(&parentFrame, &frame);
-    }
-    readLeaf(reader, leaf, &frame, positions);
   }
 }
 
 /* The same for entries [begin, end) of slotlessParticle. */
 static void readSlotless(PositionReader* reader, int begin, int end, Revision since, double* positions) {
   const Sequence* s = reader->sequence;
-  const int firstMoved = firstMovedSince(&reader->tree->changes, since);
+  const Tree* tree = reader->world->tree;
+  const int firstMoved = firstMovedSince(&tree->changes, since);
   for (int i = begin; i < end; i++) {
     const int particle = s->slotlessParticle[i];
     const int leaf = coveringNode(s->slotBegin[particleLink(s, particle)]);
-    if (leaf >= firstMoved || reader->tree->contentRevision[leaf] > since) {
+    if (leaf >= firstMoved || tree->contentRevision[leaf] > since) {
       ctReadPosition(reader, particle, positions + 3 * (size_t)particle);
     }
   }
 }
 
-static void readSince(const Sequence* s, const Tree* tree, Revision since, double* positions) {
-  PositionReader reader = ctPositionReader(s, tree);
-  readLeaves(&reader, 0, tree->levelSize[0], since, positions);
+static void readSince(const Sequence* s, World* world, Revision since, double* positions) {
+  PositionReader reader = ctPositionReader(s, world);
+  readLeaves(&reader, 0, world->tree->levelSize[0], since, positions);
   readSlotless(&reader, 0, s->slotlessCount, since, positions);
 }
 
-void ctReadPositions(const Sequence* s, const Tree* tree, double* positions) {
-  readSince(s, tree, NO_REVISION, positions);
+void ctReadPositions(const Sequence* s, World* world, double* positions) {
+  readSince(s, world, NO_REVISION, positions);
 }
 
 /* ---- Arrays that the caller keeps ---- */
@@ -157,23 +148,23 @@ bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* s) {
 }
 
 /* Reads all particles of a branch. */
-static void readBranch(const Sequence* s, const Tree* tree, int branch, double* positions) {
+static void readBranch(const Sequence* s, World* world, int branch, double* positions) {
   const int head = s->branchHead[branch];
   const int end = sequenceEnd(s, head);
-  PositionReader reader = ctPositionReader(s, tree);
+  PositionReader reader = ctPositionReader(s, world);
   readLeaves(&reader, coveringNode(s->slotBegin[head]), coveringNode(s->slotBegin[end] - 1) + 1, NO_REVISION,
              positions);
   readSlotless(&reader, sequenceSlotless(s, head), sequenceSlotless(s, end), NO_REVISION, positions);
 }
 
-void ctRefreshPositions(Copied* copied, const Sequence* s, const Tree* tree, double* positions) {
-  readSince(s, tree, copied->builtFrom, positions);
+void ctRefreshPositions(Copied* copied, const Sequence* s, World* world, double* positions) {
+  readSince(s, world, copied->builtFrom, positions);
   for (int branch = 0; branch < s->branchCount; branch++) {
     const bool isDisplacedNow = s->displaced[branch] != 0;
     if (copied->isDisplaced[branch] != isDisplacedNow) {
       copied->isDisplaced[branch] = isDisplacedNow;
-      readBranch(s, tree, branch, positions);
+      readBranch(s, world, branch, positions);
     }
   }
-  copied->builtFrom = tree->changes.now;
+  copied->builtFrom = world->tree->changes.now;
 }

@@ -1,13 +1,13 @@
-/* Positions of particles in the world, from the tree. */
+/* Positions of particles. The tree must be up to date. */
 #ifndef CT_POSITION_H_
 #define CT_POSITION_H_
 
-#include "tree.h"
+#include "world.h"
 
 /* Computes positions one by one, and keeps frames: neighbours in the sequence share them. */
 typedef struct PositionReader {
   const Sequence* sequence;
-  const Tree* tree;
+  World* world;
   int leaf; /* whose frame is kept */
   Frame leafFrame;
   int link; /* whose frame in its leaf is kept */
@@ -17,7 +17,7 @@ typedef struct PositionReader {
   int branchEnd;
 } PositionReader;
 
-PositionReader ctPositionReader(const Sequence* sequence, const Tree* tree);
+PositionReader ctPositionReader(const Sequence* sequence, World* world);
 
 /* The position of a particle. In a branch that no joint has displaced it has the reference bits. */
 void ctReadPosition(PositionReader* reader, int particle, double position[3]);
@@ -26,7 +26,7 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]);
 void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]);
 
 /* All particles: 3 * particleCount coordinates. */
-void ctReadPositions(const Sequence* sequence, const Tree* tree, double* positions);
+void ctReadPositions(const Sequence* sequence, World* world, double* positions);
 
 /* What filled the caller's array. */
 typedef struct Copied {
@@ -38,6 +38,6 @@ typedef struct Copied {
 bool ctCopiedBuild(Copied* copied, Arena* arena, const Sequence* sequence);
 
 /* The same as ctReadPositions, but writes only coordinates that may have changed since the last call. */
-void ctRefreshPositions(Copied* copied, const Sequence* sequence, const Tree* tree, double* positions);
+void ctRefreshPositions(Copied* copied, const Sequence* sequence, World* world, double* positions);
 
 #endif /* CT_POSITION_H_ */

@@ -25,6 +25,11 @@ Tree* ctSceneTree(ctChainTree* scene) {
   return tree;
 }
 
+World* ctSceneWorld(ctChainTree* scene) {
+  ctSceneTree(scene);
+  return &scene->world;
+}
+
 Sweep* ctSceneSweep(ctChainTree* scene) {
   Sweep* sweep = &scene->ownSweep;
   const Changes* changes = &scene->ownTree.changes;
@@ -36,7 +41,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
     if (scene->sequence.displacedCount == 0) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
     } else if (ctSnapshotReserve(&sweep->snapshot, &sweep->arena, &scene->sequence)) {
-      ctSnapshotTakeTree(&sweep->snapshot, &scene->sequence, ctSceneTree(scene));
+      ctSnapshotTakeTree(&sweep->snapshot, &scene->sequence, ctSceneWorld(scene));
     } else {
       return NULL;
     }

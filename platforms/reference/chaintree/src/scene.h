@@ -63,7 +63,10 @@ ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 /* The tree of the state, with tight bounds. Refreshes what is outdated. */
 Tree* ctSceneTree(ctChainTree* scene);
 
-/* The same, but bounds may be loose, see tree.h. For trials of few slots. */
+/* Where the nodes of that tree are. */
+World* ctSceneWorld(ctChainTree* scene);
+
+/* The same as ctSceneTree, but bounds may be loose, see tree.h. For trials of few slots. */
 Tree* ctSceneLooseTree(ctChainTree* scene);
 
 /* Most that a pair is beyond its limit, nm; 0: none is. INFINITY: more than `most`, or there is no memory, which is no

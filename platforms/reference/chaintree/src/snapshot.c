@@ -49,22 +49,11 @@ static void takeLeaf(Snapshot* snapshot, const Sequence* sequence, const Tree* t
   }
 }
 
-static void takeNode(Snapshot* snapshot, const Sequence* sequence, const Tree* tree, int level, int node,
-                     const Frame* frame) {
-  if (level == 0) {
-    takeLeaf(snapshot, sequence, tree, node, frame);
-    return;
+void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, World* world) {
+  for (int leaf = 0; leaf < world->tree->levelSize[0]; leaf++) {
+    const Frame frame = ctWorldReadFrame(world, leaf);
+    takeLeaf(snapshot, sequence, world->tree, leaf, &frame);
   }
-  int count;
-  const int first = treeChildren(tree, level, node, &count);
-  for (int child = first; child < first + count; child++) {
-    const Frame inWorld = transformCompose(frame, &tree->pose[child]);
-    takeNode(snapshot, sequence, tree, level - 1, child, &inWorld);
-  }
-}
-
-void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree) {
-  takeNode(snapshot, sequence, tree, treeTop(tree), treeRoot(tree), &tree->pose[treeRoot(tree)]);
   snapshot->position = snapshot->moved;
   memset(snapshot->origin, 0, sizeof snapshot->origin);
 }

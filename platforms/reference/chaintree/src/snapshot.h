@@ -6,7 +6,7 @@
 
 #include "arena.h"
 #include "axisbox.h"
-#include "tree.h"
+#include "world.h"
 
 /* Boxes of centres around the members of a node. */
 typedef struct SnapshotBoxes {
@@ -33,7 +33,7 @@ bool ctSnapshotReserve(Snapshot* snapshot, Arena* arena, const Sequence* sequenc
 
 /* Takes the positions of the reference, or of an up-to-date tree. Floats and boxes are outdated until ctSweepBound. */
 void ctSnapshotTakeReference(Snapshot* snapshot, const Sequence* sequence);
-void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, const Tree* tree);
+void ctSnapshotTakeTree(Snapshot* snapshot, const Sequence* sequence, World* world);
 
 /* The boxes of the children of an inner node. */
 static inline SnapshotBoxes* snapshotBoxes(const Snapshot* snapshot, const Tree* layout, int node) {

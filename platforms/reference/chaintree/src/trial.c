@@ -436,7 +436,7 @@ ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
   ctMergedAccept(tree);
   const int updated = applyTrial(tree, true);
   if (leavesFollow) {
-    ctLeavesFollow(&tree->leaves, ctSceneTree(tree), &tree->sequence, trial->pieceCount, trial->pieces,
+    ctLeavesFollow(&tree->leaves, ctSceneWorld(tree), &tree->sequence, trial->pieceCount, trial->pieces,
                    trial->distanceError);
   }
   tree->trial->open = false;

@@ -29,6 +29,23 @@ static void listContent(const Tree* tree, const Sequence* s, Content content[CON
   memcpy(content, all, sizeof all);
 }
 
+/* True if the frames in the world that count as right have the bits that the tree gives. */
+static bool framesHold(const ctChainTree* scene) {
+  const Tree* tree = &scene->ownTree;
+  const World* world = &scene->world;
+  for (int level = 0; level < tree->levelCount; level++) {
+    for (int i = 0; i < tree->levelSize[level]; i++) {
+      const int node = tree->levelBegin[level] + i;
+      const Frame frame = ctTreeFrame(tree, level, node);
+      /* Compares bits: 0 and -0 differ. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison) */
+      if (hasWorld(world, node) && memcmp(&world->frame[world->entryOf[node]], &frame, sizeof frame) != 0) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
 /* ---- Boxes ---- */
 
 /* True if a node's box, unless it is outdated, holds all particles below it. */
@@ -142,8 +159,8 @@ static bool leavesHold(ctChainTree* scene) {
     same = ctLeavesReserve(&made, tree, &scene->sequence) && (kept->boxes == NULL || ctLeavesReservePairs(&made, tree));
     if (same) {
       const size_t boxes = (size_t)(treeSuperRoot(tree) - tree->levelBegin[1]) + 1;
-      ctLeavesUpdate(kept, tree, &scene->sequence);
-      ctLeavesUpdate(&made, tree, &scene->sequence);
+      ctLeavesUpdate(kept, &scene->world, &scene->sequence);
+      ctLeavesUpdate(&made, &scene->world, &scene->sequence);
       const size_t leaves = (size_t)tree->levelSize[0];
       same = kept->positionError > 0
                  ? areNear(leaves * 3 * TREE_WIDTH, kept->state->x, made.state->x, kept->positionError) &&
@@ -190,5 +207,6 @@ bool ctValidate(ctChainTree* tree) {
   for (int i = 0; i < CONTENT_COUNT; i++) {
     free(kept[i]);
   }
-  return same && ctTreeBoundsHold(made, &tree->sequence) && boxesHold && clearancesHold(tree) && leavesHold(tree);
+  return same && ctTreeBoundsHold(made, &tree->sequence) && boxesHold && framesHold(tree) && clearancesHold(tree) &&
+         leavesHold(tree);
 }

@@ -21,7 +21,7 @@
   F(void, refreshLeafBound, (Tree* tree, int leaf)) \
   F(void, widenAbove, (Tree* tree, int leaf)) \
   /* wide/world.c: see world.h. */ \
-  F(void, updateWorldLeaf, (World* w, int leaf)) \
+  F(void, updateWorldAt, (World* w, int level, int node)) \
   /* wide/descent.c, movers.c: see traverse.h. */ \
   F(int64_t, traverse, \
     (Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts)) \

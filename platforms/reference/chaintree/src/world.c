@@ -33,9 +33,21 @@ bool ctWorldBuild(World* w, Arena* arena, const Tree* tree) {
 
 const Frame* ctWorldLeafFrame(World* w, int leaf) {
   if (!hasWorld(w, leaf)) {
-    w->tree->wide->updateWorldLeaf(w, leaf);
+    w->tree->wide->updateWorldAt(w, 0, leaf);
   }
   return &w->frame[w->entryOf[leaf]];
+}
+
+Frame ctWorldReadFrame(World* w, int leaf) {
+  const Tree* tree = w->tree;
+  if (treeTop(tree) == 0) {
+    return tree->pose[leaf];
+  }
+  const int parent = treeParent(tree, 0, leaf);
+  if (!hasWorld(w, parent)) {
+    tree->wide->updateWorldAt(w, 1, parent);
+  }
+  return transformCompose(&w->frame[w->entryOf[parent]], &tree->pose[leaf]);
 }
 
 void ctWorldChangeRadii(World* w, bool hasSurfaces) {

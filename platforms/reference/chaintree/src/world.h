@@ -23,8 +23,11 @@ typedef struct World {
 
 bool ctWorldBuild(World* world, Arena* arena, const Tree* tree);
 
-/* The frame of a leaf. */
+/* The frame of a leaf, which gets an entry. */
 const Frame* ctWorldLeafFrame(World* world, int leaf);
+
+/* The same without an entry, for callers that read many leaves. */
+Frame ctWorldReadFrame(World* world, int leaf);
 
 /* Chooses whether the radii of members are of surfaces. */
 void ctWorldChangeRadii(World* world, bool hasSurfaces);

@@ -6,7 +6,7 @@
 #include "set.h"
 #include "simd.h"
 
-/* A coordinate of some particles, from worldOrigin. */
+/* Coordinates of the slots of a leaf, from worldOrigin. */
 typedef struct LeafPoints {
   float x[3][TREE_WIDTH];
 } LeafPoints;
@@ -14,8 +14,9 @@ typedef struct LeafPoints {
 /* Room for the rounding to float in a box of particles: half a unit in the last place. */
 #define BOX_MARGIN 1.2e-7f
 
-/* Writes the box around lows and highs as member k, a little larger. */
-CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float margin, AxisBoxes* around, int k) {
+/* Writes the box around lows and highs as member k. */
+CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], AxisBoxes* around, int k) {
+  /* Four at a time; the most of a number is the least of its opposite. */
   const Float16 zero = all16(0);
   const Float16 first[4] = {lows[0], lows[1], lows[2], sub16(zero, highs[0])};
   const Float16 last[4] = {sub16(zero, highs[1]), sub16(zero, highs[2]), zero, zero};
@@ -23,21 +24,31 @@ CT_INLINE void storeBox(const Float16 lows[3], const Float16 highs[3], float mar
   least4x16(first, least);
   least4x16(last, least + 4);
   for (int d = 0; d < 3; d++) {
-    around->low[d][k] = least[d] - margin * fabsf(least[d]);
-    around->high[d][k] = margin * fabsf(least[3 + d]) - least[3 + d];
+    around->low[d][k] = least[d];
+    around->high[d][k] = -least[3 + d];
   }
 }
 
-/* Writes the box around the points of a leaf as member k of its parent. */
-CT_INLINE void boxPoints(const LeafPoints* points, unsigned occupied, AxisBoxes* around, int k) {
+/* Writes the box around the occupied slots (bits) of a leaf as member k of its parent. */
+CT_INLINE void boxPoints(const float* const axes[3], unsigned occupied, AxisBoxes* around, int k) {
   Float16 lows[3];
   Float16 highs[3];
   for (int d = 0; d < 3; d++) {
-    const Float16 x = load16(points->x[d]);
+    const Float16 x = load16(axes[d]);
     lows[d] = occupied == 0xffff ? x : blend16(occupied, all16(INFINITY), x);
     highs[d] = occupied == 0xffff ? x : blend16(occupied, all16(-INFINITY), x);
   }
-  storeBox(lows, highs, BOX_MARGIN, around, k);
+  storeBox(lows, highs, around, k);
+}
+
+/* The same, a little larger. */
+CT_INLINE void boxPointsLoosely(const LeafPoints* points, unsigned occupied, AxisBoxes* around, int k) {
+  const float* const axes[3] = {points->x[0], points->x[1], points->x[2]};
+  boxPoints(axes, occupied, around, k);
+  for (int d = 0; d < 3; d++) {
+    around->low[d][k] -= BOX_MARGIN * fabsf(around->low[d][k]);
+    around->high[d][k] += BOX_MARGIN * fabsf(around->high[d][k]);
+  }
 }
 
 /* Writes the box around the members of a node as member k of its parent. */
@@ -48,7 +59,7 @@ static inline void boxMembers(const AxisBoxes* members, AxisBoxes* around, int k
     lows[d] = load16(members->low[d]);
     highs[d] = load16(members->high[d]);
   }
-  storeBox(lows, highs, 0, around, k);
+  storeBox(lows, highs, around, k);
 }
 
 /* Sets the positions of slots that hold no particle to 0. */

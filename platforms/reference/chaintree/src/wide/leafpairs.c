@@ -52,7 +52,7 @@ static void roundLeaf(const LeafTask* task, const ctLeafPositions* leaf, LeafPoi
 static void boxTrialLeaf(const LeafTask* task, int leaf, AxisBoxes* around, int k) {
   LeafPoints points;
   roundLeaf(task, &task->leaves->trial[leaf], &points);
-  boxPoints(&points, task->leaves->occupied[leaf], around, k);
+  boxPointsLoosely(&points, task->leaves->occupied[leaf], around, k);
 }
 
 /* Moves a leaf of one body. */
@@ -75,7 +75,7 @@ static void moveLeaf(const LeafTask* task, int leaf, int body, AxisBoxes* around
     points.x[2][i] = (float)(to->z[i] - o[2]);
   }
   clearEmpty(to, task->leaves->occupied[leaf]);
-  boxPoints(&points, task->leaves->occupied[leaf], around, k);
+  boxPointsLoosely(&points, task->leaves->occupied[leaf], around, k);
 }
 
 /* Moves a leaf of many pieces, the first of which is `piece`. Returns its body. */

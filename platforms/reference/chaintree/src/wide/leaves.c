@@ -30,7 +30,7 @@ static void placeLeaf(Leaves* leaves, const Tree* tree, const Sequence* s, int l
 /* True if all slots of a node are static. */
 static bool isStatic(const LeafUpdate* u, int level, int node) {
   int end;
-  const int begin = treeSlots(u->tree, level, node, &end);
+  const int begin = treeSlots(u->world->tree, level, node, &end);
   for (int p = u->pieceCount - 1; p >= 0; p--) {
     if (u->pieces[p].slotBegin < end) {
       if (u->pieces[p].body != 0) {
@@ -50,22 +50,23 @@ static bool nodeStays(const LeafUpdate* u, int level, int node) {
   if (u->pieceCount > 0) {
     return isStatic(u, level, node);
   }
-  const int leafEnd = (node - u->tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
-  return u->tree->contentRevision[node] <= u->leaves->builtFrom && leafEnd <= u->firstMoved;
+  const int leafEnd = (node - u->world->tree->levelBegin[level] + 1) << TREE_WIDTH_BITS * level;
+  return u->world->tree->contentRevision[node] <= u->leaves->builtFrom && leafEnd <= u->firstMoved;
 }
 
-/* Updates the leaves below a node, and its own box, which is member k of its parent. */
-static void updateNode(const LeafUpdate* u, int level, int node, const Frame* frame) {
+/* Updates a leaf, or the leaves below a node; and its own box, which is member k of its parent. */
+static void updateNode(const LeafUpdate* u, int level, int node) {
   Leaves* leaves = u->leaves;
-  const Tree* tree = u->tree;
+  const Tree* tree = u->world->tree;
   const bool isBoxed = leaves->boxes != NULL && leaves->occupied[node] != 0;
   AxisBoxes* around = isBoxed ? leafBoxes(leaves, tree, treeParent(tree, level, node)) : NULL;
   const int k = memberIndex(node - tree->levelBegin[level]);
   if (level == 0) {
+    const Frame frame = ctWorldReadFrame(u->world, node);
     LeafPoints points;
-    placeLeaf(leaves, tree, u->sequence, node, frame, &points);
+    placeLeaf(leaves, tree, u->sequence, node, &frame, &points);
     if (around != NULL) {
-      boxPoints(&points, leaves->occupied[node], around, k);
+      boxPointsLoosely(&points, leaves->occupied[node], around, k);
       leaves->differs[treeParent(tree, 0, node) - tree->levelBegin[1]] |= (uint16_t)(1u << k);
     }
     return;
@@ -74,8 +75,7 @@ static void updateNode(const LeafUpdate* u, int level, int node, const Frame* fr
   const int first = treeChildren(tree, level, node, &count);
   for (int child = first; child < first + count; child++) {
     if (!nodeStays(u, level - 1, child)) {
-      const Frame inWorld = transformCompose(frame, &tree->pose[child]);
-      updateNode(u, level - 1, child, &inWorld);
+      updateNode(u, level - 1, child);
     }
   }
   if (around != NULL) {
@@ -84,6 +84,5 @@ static void updateNode(const LeafUpdate* u, int level, int node, const Frame* fr
 }
 
 void CT_WIDE(updateLeaves)(const LeafUpdate* u) {
-  const int root = treeRoot(u->tree);
-  updateNode(u, treeTop(u->tree), root, &u->tree->pose[root]);
+  updateNode(u, treeTop(u->world->tree), treeRoot(u->world->tree));
 }

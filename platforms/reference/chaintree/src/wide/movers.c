@@ -301,7 +301,7 @@ CT_NOINLINE void boxLeaves(Traversal* t) {
   }
   t->boxScale = (float)lesser(UNITS_OF_STATE / sizeOfState(t->tree), MOST_BOX_SCALE);
   for (int leaf = 0; leaf < leaves; leaf++) {
-    CT_WIDE(updateWorldLeaf)(t->world, leaf);
+    CT_WIDE(updateWorldAt)(t->world, 0, leaf);
     boxLeaf(t, leaf);
   }
 }
@@ -319,7 +319,7 @@ CT_NOINLINE void boxListed(Traversal* t) {
   }
   for (int i = 0; i < count; i++) {
     const int leaf = listedLeaf(changes, i).leaf;
-    CT_WIDE(updateWorldLeaf)(t->world, leaf);
+    CT_WIDE(updateWorldAt)(t->world, 0, leaf);
     boxLeaf(t, leaf);
   }
 }

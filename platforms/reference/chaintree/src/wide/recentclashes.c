@@ -5,10 +5,10 @@ static Sphere slotSphere(Traversal* t, int slot, int body) {
   const int leaf = coveringNode(slot);
   const Revision since = t->world->builtFrom[leaf];
   if (t->tree->contentRevision[leaf] > since) {
-    CT_WIDE(updateWorldLeaf)(t->world, leaf);
+    CT_WIDE(updateWorldAt)(t->world, 0, leaf);
   } else if (movedSince(&t->tree->changes, since)) {
     if (nodeMovedSince(t->tree, 0, leaf, since)) {
-      CT_WIDE(updateWorldLeaf)(t->world, leaf);
+      CT_WIDE(updateWorldAt)(t->world, 0, leaf);
     } else {
       confirmWorld(t->world, leaf);
     }

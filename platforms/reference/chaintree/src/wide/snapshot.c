@@ -1,7 +1,6 @@
 /* Floats and boxes of snapshots. */
-#include "../volume.h"
+#include "axisboxes.h"
 #include "ids.h"
-#include "set.h"
 
 /* Rounds the positions of a leaf's particles to float. Empty slots are at infinity. */
 static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf) {
@@ -19,21 +18,16 @@ static void fillLeaf(const Snapshot* snapshot, const int* particle, Block* leaf)
   }
 }
 
-static void boundLeaf(const Block* leaf, SnapshotBoxes* around, int k) {
-  const unsigned empty = greater16(all16(0), load16(leaf->r));
-  const float* axes[3] = {leaf->x, leaf->y, leaf->z};
-  for (int d = 0; d < 3; d++) {
-    around->centres.low[d][k] = least16(load16(axes[d]));
-    around->centres.high[d][k] = most16(blend16(empty, load16(axes[d]), all16(-INFINITY)));
-  }
+/* Writes the box around a leaf as member k of its parent. */
+static void boxSnapshotLeaf(const Block* leaf, SnapshotBoxes* around, int k) {
+  const float* const axes[3] = {leaf->x, leaf->y, leaf->z};
+  boxPoints(axes, ~greater16(all16(0), load16(leaf->r)) & 0xffff, &around->centres, k);
   around->r[k] = most16(load16(leaf->r));
 }
 
-static void boundInnerNode(const SnapshotBoxes* members, SnapshotBoxes* around, int k) {
-  for (int d = 0; d < 3; d++) {
-    around->centres.low[d][k] = least16(load16(members->centres.low[d]));
-    around->centres.high[d][k] = most16(load16(members->centres.high[d]));
-  }
+/* The same of an inner node. */
+static void boxSnapshotNode(const SnapshotBoxes* members, SnapshotBoxes* around, int k) {
+  boxMembers(&members->centres, &around->centres, k);
   around->r[k] = most16(load16(members->r));
 }
 
@@ -56,9 +50,9 @@ void CT_WIDE(boundSnapshot)(Snapshot* snapshot, const Sequence* sequence, const 
       if (level == 0) {
         Block* leaf = &snapshot->leaf[node];
         fillLeaf(snapshot, sequence->slotParticle + node * TREE_WIDTH, leaf);
-        boundLeaf(leaf, around, memberIndex(i));
+        boxSnapshotLeaf(leaf, around, memberIndex(i));
       } else {
-        boundInnerNode(snapshotBoxes(snapshot, layout, node), around, memberIndex(i));
+        boxSnapshotNode(snapshotBoxes(snapshot, layout, node), around, memberIndex(i));
       }
     }
   }

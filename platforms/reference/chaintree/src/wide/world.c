@@ -70,9 +70,11 @@ void CT_WIDE(recomputeWorld)(World* w, int level, int node) {
   }
 }
 
-/* Updates the world coordinates of a leaf and of the nodes over it. */
-void CT_WIDE(updateWorldLeaf)(World* w, int leaf) {
-  for (int level = treeTop(w->tree); level >= 0; level--) {
-    updateWorld(w, level, w->tree->levelBegin[level] + (leaf >> TREE_WIDTH_BITS * level));
+/* Updates a node and the nodes over it. */
+void CT_WIDE(updateWorldAt)(World* w, int level, int node) {
+  const Tree* tree = w->tree;
+  const int index = node - tree->levelBegin[level];
+  for (int above = treeTop(tree); above >= level; above--) {
+    updateWorld(w, above, tree->levelBegin[above] + (index >> TREE_WIDTH_BITS * (above - level)));
   }
 }
