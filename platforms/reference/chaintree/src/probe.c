@@ -30,7 +30,7 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
   double point[3];
   subtract(position, tree->sequence.worldOrigin, point);
   Probe probe = {tree, radius, function, context};
-  const View view = ctViewOfState(true, -tree->overlapTolerance);
+  const View view = ctViewOfState(-tree->overlapTolerance);
   ctSceneLooseTree(tree);
   ctTraverseProbe(&tree->traversal, &view, point, radius, matchProbe, &probe, counts);
   return ctSuccess;

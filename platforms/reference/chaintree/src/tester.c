@@ -155,7 +155,7 @@ static void acceptClearances(ctChainTree* tree) {
   if (clearance->testedTrial != tree->trialCount) {
     ctClearanceDropTests(clearance);
   }
-  const View view = ctTrialView(tree->trial, true, true, -tree->overlapTolerance);
+  const View view = ctTrialView(tree->trial, -tree->overlapTolerance);
   const Wide* wide = ctSceneTree(tree)->wide;
   ctClearanceCharge(clearance, wide->acceptClearances(clearance, &tree->traversal, &view), false);
   ctClearanceSkip(clearance, tree->trial->distanceError);

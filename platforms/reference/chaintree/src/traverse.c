@@ -77,9 +77,9 @@ bool ctTraversalReserve(Traversal* t, int pieceCount) {
          ctReserve((void**)&t->motions, &t->motionCapacity, pieceCount, sizeof(float[12]));
 }
 
-View ctViewOfState(bool surfaces, double reach) {
+View ctViewOfState(double reach) {
   static const Piece whole = {0, 0};
-  return (View){&whole, 1, NULL, 1, surfaces, reach};
+  return (View){&whole, 1, NULL, 1, reach};
 }
 
 bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) {

@@ -17,8 +17,7 @@ typedef struct View {
   int pieceCount;
   const Frame* motions; /* in the world; motion 0 is the identity. NULL: nothing moves, but pieces still count */
   int motionCount;
-  bool surfaces; /* reach is from surface to surface, else from centre to centre */
-  double reach;  /* pairs no farther apart than this are candidates; may be negative */
+  double reach; /* pairs whose surfaces are no farther apart are candidates; may be negative */
 } View;
 
 /* Boxes around the members of a node over leaves, along the world's axes, in short units: a coordinate in nm times
@@ -141,6 +140,6 @@ double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
 /* The view of the state as it is: one body. */
-View ctViewOfState(bool surfaces, double reach);
+View ctViewOfState(double reach);
 
 #endif /* CT_TRAVERSE_H_ */

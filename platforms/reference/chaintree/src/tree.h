@@ -103,7 +103,6 @@ typedef struct Tree {
   Revision builtFrom;         /* the content is of this revision; the layout is always right */
   Revision* contentRevision;  /* per node: when its members were last recomputed */
   Revision* shortcutRevision; /* per node: when its shortcut last changed */
-  Revision innerRevision;     /* when the members of an inner node were last recomputed */
 } Tree;
 
 static inline int treeTop(const Tree* tree) {

@@ -255,8 +255,8 @@ static int describeTrial(Trial* trial, const Sequence* s, World* w, const ctChan
 
 /* ---- Views of a trial ---- */
 
-View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach) {
-  return (View){trial->pieces, trial->pieceCount, moved ? trial->motions : NULL, trial->motionCount, surfaces, reach};
+View ctTrialView(const Trial* trial, double reach) {
+  return (View){trial->pieces, trial->pieceCount, trial->motions, trial->motionCount, reach};
 }
 
 /* The motion of a frame, which is from worldOrigin, for absolute positions: x -> R (x - o) + t + o. */
@@ -401,7 +401,7 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
     return ctFailNoTrial(tree);
   }
   const double reach = -tree->overlapTolerance;
-  View view = ctTrialView(tree->trial, true, true, reach);
+  View view = ctTrialView(tree->trial, reach);
   const bool mayBeSkipped = tree->trial->distanceError > 0;
   const bool skips = mayBeSkipped && ctPrepareSkip(tree, counts);
   if (mayBeSkipped && !skips) {

@@ -54,8 +54,8 @@ static inline void addPiece(Trial* trial, int slotBegin, int body) {
   trial->pieces[trial->pieceCount++] = (Piece){slotBegin, body};
 }
 
-/* The view of the trial; if not `moved`, of its pieces before it. */
-View ctTrialView(const Trial* trial, bool moved, bool surfaces, double reach);
+/* The view of the trial. */
+View ctTrialView(const Trial* trial, double reach);
 
 /* Fills what callers see of an open trial, once. */
 void ctTrialShow(Trial* trial, const Sequence* sequence);

@@ -49,10 +49,3 @@ Frame ctWorldReadFrame(World* w, int leaf) {
   }
   return transformCompose(&w->frame[w->entryOf[parent]], &tree->pose[leaf]);
 }
-
-void ctWorldChangeRadii(World* w, bool hasSurfaces) {
-  w->hasSurfaces = hasSurfaces;
-  for (int node = 0; node < w->tree->nodeCount; node++) {
-    w->builtFrom[node] = NO_REVISION;
-  }
-}

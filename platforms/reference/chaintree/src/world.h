@@ -8,7 +8,6 @@
 
 typedef struct World {
   const Tree* tree;
-  bool hasSurfaces;    /* the radii of members are of surfaces, else of centres */
   Revision* builtFrom; /* per node: frame and members are of this revision; NO_REVISION: it has none */
   int* entryOf;        /* per node: its entry in the two arrays below; CT_NULL: another leaf has taken that */
 
@@ -28,9 +27,6 @@ const Frame* ctWorldLeafFrame(World* world, int leaf);
 
 /* The same without an entry, for callers that read many leaves. */
 Frame ctWorldReadFrame(World* world, int leaf);
-
-/* Chooses whether the radii of members are of surfaces. */
-void ctWorldChangeRadii(World* world, bool hasSurfaces);
 
 /* True if frame and members of a node are known to be right. */
 static inline bool hasWorld(const World* w, int node) {

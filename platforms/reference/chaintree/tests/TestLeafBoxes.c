@@ -40,7 +40,7 @@ static bool boxesHold(const ctChainTree* tree) {
           double x[3];
           treeLocal(&tree->ownTree, slot, x);
           transformPoint(&frame, x, x);
-          const double r = tree->world.hasSurfaces ? slotRadius(s, slot) : 0;
+          const double r = slotRadius(s, slot);
           low = lesser(low, x[d] - r);
           high = larger(high, x[d] + r);
         }

@@ -34,7 +34,7 @@ static void updateWorldNodes(Traversal* t) {
 }
 
 void CT_WIDE(measureClearances)(Clearance* c, Traversal* t, double reach) {
-  const View view = ctViewOfState(true, reach);
+  const View view = ctViewOfState(reach);
   CT_WIDE(startView)(t, &view);
   updateWorldNodes(t);
   float widest = 0;

@@ -365,7 +365,7 @@ static void updateFirst(Traversal* t, int begin, int end) {
   if (t->testsToBoxes == 0) {
     return;
   }
-  if (t->firstNodesFrom < tree->innerRevision || movedSince(&tree->changes, t->firstNodesFrom)) {
+  if (t->firstNodesFrom != tree->changes.now) {
     updateFirstNodes(t);
   }
   for (int leaf = begin; leaf < end; leaf++) {

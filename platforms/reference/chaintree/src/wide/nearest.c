@@ -189,7 +189,7 @@ void CT_WIDE(findNearest)(Nearest* n, const Cloud clouds[2]) {
   /* Splits go down both trees to single slots, each with all members of a node on the stack. */
   NearestVisit stack[2 * (TREE_MAX_LEVELS + 1) * TREE_WIDTH];
   Traversal* t = n->traversal;
-  const View view = ctViewOfState(t->world->hasSurfaces, 0);
+  const View view = ctViewOfState(0);
   CT_WIDE(startView)(t, &view);
   n->margin = (float)floatMargin(larger(t->coordinateBound, n->coordinateBound));
   const float known = (float)n->known + 2 * n->margin;

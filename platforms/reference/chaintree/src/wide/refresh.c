@@ -348,7 +348,6 @@ void CT_WIDE(widenAbove)(Tree* tree, int leaf) {
     columnsOf(&tree->pose[child], &pose);
     placeMember(tree, &pose, child, k, members);
     tree->contentRevision[node] = tree->changes.now;
-    tree->innerRevision = tree->changes.now;
     const float x = members->block.x[k] - bound->x;
     const float y = members->block.y[k] - bound->y;
     const float z = members->block.z[k] - bound->z;
@@ -393,6 +392,5 @@ void CT_WIDE(refreshInnerNode)(Tree* tree, int level, int node, const int* chang
   }
   tree->bound[node] = boundOfMembers(&members->block, members->centres);
   tree->contentRevision[node] = tree->changes.now;
-  tree->innerRevision = tree->changes.now;
   tree->hasSum[node] = false;
 }

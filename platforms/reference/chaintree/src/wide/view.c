@@ -101,11 +101,6 @@ void CT_WIDE(startView)(Traversal* t, const View* view) {
     }
     t->descent = 1;
   }
-  if (t->world->hasSurfaces != view->surfaces) {
-    ctWorldChangeRadii(t->world, view->surfaces);
-    t->firstNodesFrom = NO_REVISION;
-    t->boxesFrom = NO_REVISION;
-  }
   t->mixedNodeCount = 0;
   t->nextMoved = 0;
   t->movedBoxesCount = 0;

@@ -8,11 +8,7 @@ static void worldLeaf(World* w, int leaf) {
   store16(world->x, rounded16(own->x, own->y, own->z, f->m[0]));
   store16(world->y, rounded16(own->x, own->y, own->z, f->m[1]));
   store16(world->z, rounded16(own->x, own->y, own->z, f->m[2]));
-  if (w->hasSurfaces) {
-    store16(world->r, load16(own->r));
-  } else {
-    leafCentres(own, world->r);
-  }
+  store16(world->r, load16(own->r));
 }
 
 /* The same for an inner node. */
@@ -21,7 +17,7 @@ static void worldInnerNode(World* w, int node) {
   Block* world = &w->members[w->entryOf[node]];
   float motion[12];
   floatMotion(&w->frame[w->entryOf[node]], motion);
-  moveAll(&own->block, w->hasSurfaces ? own->block.r : own->centres, motion, world);
+  moveAll(&own->block, own->block.r, motion, world);
 }
 
 /* Gives a leaf the entry of the leaf that has had one longest. */
