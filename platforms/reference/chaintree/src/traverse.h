@@ -63,7 +63,7 @@ typedef struct Traversal {
   int mostBoxedNodes; /* MOST_BOXED_NODES, but for tests */
   int testsPerLeaf;   /* TESTS_PER_LEAF, but for tests */
   int testsToBoxes;   /* 0: all leaves have boxes, and world coordinates up to rounding */
-  Revision boxesFrom; /* the last test: since then only listed leaves have moved, or there will be no boxes */
+  Revision boxesFrom; /* when boxes, or the wait for them, were last updated */
 
   /* Boxes of children, per inner node, from levelBegin[1] on. A descent tests boxes after its first visitsWithoutBoxes
    * visits; that number grows while boxes separate few pairs, and shrinks while they separate many. */
