@@ -1,4 +1,4 @@
-/* The Python face of the C++ classes. Their headers are read as they are; what differs in Python is:
+/* SWIG's interface of the C++ classes. It reads their headers unchanged; in Python they differ as follows:
  *
  * - Numbers may carry OpenMM units. The typemaps below convert them by the name of the parameter, and refuse units of
  *   another dimension.
@@ -48,7 +48,7 @@ from .units import inUnit
 
 
 class TraversalStatistics(NamedTuple):
-    """How much work the queries and trials of a Context took."""
+    """The operations that the queries and trials of a Context took."""
 
     queries: int
     volumeTests: int
@@ -57,7 +57,7 @@ class TraversalStatistics(NamedTuple):
 
 
 class MoveStatistics(NamedTuple):
-    """What became of the trials of a move."""
+    """The numbers of trials of a move, by their outcomes."""
 
     attempted: int
     clashed: int
@@ -66,7 +66,7 @@ class MoveStatistics(NamedTuple):
 
 
 class StageStatistics(NamedTuple):
-    """How many trials a part of the energy was computed for, and how many of them it refused."""
+    """The number of trials for which a part of the energy was computed, and the number that it rejected."""
 
     stage: str
     computed: int
@@ -74,7 +74,7 @@ class StageStatistics(NamedTuple):
 
 
 class OuterStatistics(NamedTuple):
-    """What became of outer tests, and the differences (kJ/mol) that they found."""
+    """The numbers of outer tests, of those that kept their trials, and of undone trials; the differences (kJ/mol)."""
 
     attempted: int
     accepted: int
@@ -144,8 +144,8 @@ static void raiseOpenMMException(const char* message) {
 /* ---- Warnings ---- */
 
 %header %{
-/* Hands a warning of the C++ library to Python, whose filters decide what becomes of it. The frame that is named is the
- * caller of OpenMM's constructor of a Context. */
+/* Issues a warning of the C++ library as a Python warning, which names the caller of OpenMM's constructor of a Context.
+ * A filter may turn it into an error. */
 static void warnInPython(const std::string& message) {
     if (!Py_IsInitialized())
         return;
@@ -167,7 +167,7 @@ static void warnInPython(const std::string& message) {
 #include <unistd.h>
 #endif
 
-/* What a handler of signals has raised, until the call in whose midst it ran has returned. */
+/* The exception that a handler of signals has raised, kept until the interrupted call has returned. */
 static PyObject *raisedType = NULL, *raisedValue = NULL, *raisedTraceback = NULL;
 
 static int raiseAgain(void*) {
@@ -176,9 +176,9 @@ static int raiseAgain(void*) {
     return PyErr_Occurred() == NULL ? 0 : -1;
 }
 
-/* Steps run without Python's lock, and taking it only to look for signals could take longer than the trials in between.
- * So while a step runs in the main thread, Python writes the number of each signal to a pipe, and this passes them on to
- * where they would have gone. Nothing is lost if a signal comes while there is no step: Python handles it then. */
+/* Steps run without Python's lock, and taking the lock only to look for signals could take longer than the trials in
+ * between. So while a step runs in the main thread, Python writes the number of each signal to a pipe. This class reads
+ * the pipe and passes the numbers on to the file that would have received them. Between steps, Python handles signals. */
 class PythonSignals : public ChainTreePlugin::Interpreter {
 public:
     bool mayWait() {
@@ -214,7 +214,7 @@ public:
             return false;
         const int others = former.back();
         if (others != -1 && others != ends[1] && write(others, numbers, count) < 0)
-            return true; // that one is full, so whoever reads it knows
+            return true; // that file is full, so its reader knows of signals already
         return true;
     }
 #endif
@@ -231,7 +231,7 @@ public:
         PyGILState_Release(state);
         return goesOn;
     }
-    /* Take notice of which thread is the main one. */
+    /* Find out which thread is the main one. */
     void findMainThread() {
         PyObject* threading = PyImport_ImportModule("threading");
         PyObject* thread = threading == NULL ? NULL : PyObject_CallMethod(threading, "main_thread", NULL);
@@ -246,7 +246,7 @@ public:
 
 private:
 #ifndef _WIN32
-    /* A process that was forked needs a pipe of its own. */
+    /* A forked process needs its own pipe. */
     bool openPipe() {
         if (owner == getpid())
             return true;
@@ -277,7 +277,7 @@ private:
     pid_t owner = -1;
 #endif
     unsigned long mainThread = 0;
-    /* Where signals went before each step that runs: handlers may call step(), too. */
+    /* The files that received signals before each running step: handlers may call step(), too. */
     std::vector<int> former;
 };
 
@@ -336,7 +336,7 @@ static PythonSignals pythonSignals;
 /* ---- From Python ---- */
 
 %fragment("FromPython", "header") {
-/* Each of these returns false with a Python exception set if the object is not what it should be. */
+/* Each of these returns false, with a Python exception set, if the object has a wrong type or value. */
 
 /* Gives a new reference to the object without its unit. */
 static PyObject* removeUnit(PyObject* object, const char* unit, const char* name) {
@@ -545,7 +545,7 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
         SWIG_fail;
     $result = SWIG_AppendOutput($result, array);
 }
-/* What is const goes in and does not come back. */
+/* Constant references are arguments, not results. */
 %typemap(argout) const TYPE& NAME ""
 %typemap(doctype) TYPE& NAME "numpy.ndarray of DTYPE, shape SHAPE"
 %enddef
@@ -612,7 +612,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %outputTuples(ChainTreePlugin::TorsionMonteCarloIntegrator::StageStatistics, "(sLL)",
               %arg(entry.stage.c_str(), entry.computed, entry.refused), "list of StageStatistics")
 
-/* ---- What is Python's own ---- */
+/* ---- Results and methods in Python ---- */
 
 /* What Python makes of SWIG's result `val`. */
 %define %returns(METHOD, VALUE)
@@ -773,8 +773,8 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
         Parameters
         ----------
         values : array
-            a number for each bin, proportional to the density in it, with as many dimensions as there are torsions.
-            Without a floor each has to be above 0, with one at least 0.
+            a number for each bin, proportional to the density in it, with one dimension per torsion. The numbers must
+            be above 0, or at least 0 with a floor.
         floor : float
             the share of draws that are uniform, from 0 to 1
 
@@ -822,7 +822,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
         Returns
         -------
         numpy.ndarray of float64
-            a number for each bin, with as many dimensions as there are torsions
+            a number for each bin, with one dimension per torsion
         """
         numBins, values = self._getTable()
         return values.reshape(numBins)
@@ -966,8 +966,8 @@ def _setsAndDensities(torsions, density):
             integrator.addDrawnMove(1, rotamerDensities(topology, force))
             integrator.addDrawnMove(1, ramachandranDensities(topology, force))
 
-        The values of the torsions are those of their four particles. If one has none, because three of these are
-        collinear, the trial that would draw it is an error.
+        The values of the torsions are those of their four particles. If three of these are collinear, the torsion has
+        no value, and a trial that would draw it is an error.
 
         Parameters
         ----------
@@ -977,8 +977,8 @@ def _setsAndDensities(torsions, density):
             the sets, each of different torsions of the StericExclusionForce, by their indices; a number alone is a set
             of one. Different sets can have torsions in common.
         density : TorsionDensity, or sequence of TorsionDensity, optional
-            the density of each set, which is of as many torsions, in their order; or one density for all. Default:
-            the ones of DrawnTorsions, from tables by residue.
+            the density of each set, for its torsions in their order; or one density for all. Default: those of
+            DrawnTorsions, from tables by residue.
 
         Returns
         -------
@@ -1006,7 +1006,7 @@ def _setsAndDensities(torsions, density):
         torsions : DrawnTorsions, or sequence of int or of sequences of int
             the sets of torsions
         density : TorsionDensity, or sequence of TorsionDensity, optional
-            the density of each set, or one density for all. Default: the ones of DrawnTorsions.
+            the density of each set, or one density for all. Default: those of DrawnTorsions.
         """
         self._setDrawnMoveParameters(move, weight, *_setsAndDensities(torsions, density))
 %}
@@ -1028,8 +1028,7 @@ def _setsAndDensities(torsions, density):
     $result = SWIG_AppendOutput($result, addUnit(*$1, ChainTreePlugin::MoveKind::findUnit("$symname", "$1_name").c_str()));
 }
 
-/* C++ has no other way than an empty vector to say "all", but an empty list in Python is mostly a search that found
- * nothing. */
+/* In C++ an empty vector means all; in Python an empty list is usually the result of a search that found nothing. */
 %typemap(in, fragment="FromPython") const std::vector<int>& (std::vector<int> values) {
     if ($input != Py_None) {
         if (!toInts($input, "$1_name", values))

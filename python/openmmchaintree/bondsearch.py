@@ -8,10 +8,10 @@ import numpy as np
 from openmm.app import Residue
 
 from .covalent import (
-    WIDE,
     areAnglesOfBonds,
     bindsMetals,
     bondedPairs,
+    bondsBetweenParts,
     canBond,
     isLooseMetal,
     isMetal,
@@ -129,7 +129,8 @@ class BondSearch:
         self._completeResidues()
         self._linkResidues()
         if positions is not None:
-            self._makeWhole()
+            if self._box is not None:
+                self.positions = makeWhole(self.positions, list(self._bonds), self._box)
             self._bondNearAtoms()
             self._linkFarResidues()
         self._findGaps()
@@ -236,38 +237,11 @@ class BondSearch:
         """Bond the parts of a residue that its bonds do not connect, by distance."""
         atoms = np.array([atom.index for atom in residue.atoms() if self.numbers[atom.index] > 0])
         place = {atom: number for number, atom in enumerate(atoms.tolist())}
-        bonds = [(place[first], place[second]) for first, second in known]
-        part = connectedParts(len(atoms), bonds)
         positions = self.positions[atoms]
         if self._box is not None:
             positions = positions[0] + nearestImage(positions - positions[0], self._box)
-        numbers = self.numbers[atoms]
-        near = bondedPairs(positions, numbers, WIDE)
-        near = near[part[near[:, 0]] != part[near[:, 1]]]
-        lengths = np.linalg.norm(positions[near[:, 0]] - positions[near[:, 1]], axis=1)
-        ends = numbers[near[:, 0]], numbers[near[:, 1]]
-        isLong = lengths > longestBonds(*ends)
-        isWhole = lengths >= shortestBonds(*ends)
-        neighbors = [set() for _ in atoms]
-        for first, second in bonds:
-            neighbors[first].add(second)
-            neighbors[second].add(first)
-        for number in np.lexsort((lengths, isLong)):
-            first, second = near[number].tolist()
-            if not isWhole[number]:
-                continue
-            # A hydrogen has one bond, to the nearest atom.
-            if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in (first, second)):
-                continue
-            # A pair longer than bonds are is no bond if it spans an angle, or lies on top of another bond.
-            if isLong[number] and not (
-                neighbors[first].isdisjoint(neighbors[second])
-                and areAnglesOfBonds(positions, first, second, sorted(neighbors[first]))
-                and areAnglesOfBonds(positions, second, first, sorted(neighbors[second]))
-            ):
-                continue
-            neighbors[first].add(second)
-            neighbors[second].add(first)
+        bonds = [(place[first], place[second]) for first, second in known]
+        for first, second in bondsBetweenParts(positions, self.numbers[atoms], bonds):
             self._bonds[_sorted(*atoms[[first, second]].tolist())] = None
 
     # ---- Along chains ----
@@ -346,11 +320,7 @@ class BondSearch:
         name1, name2 = (self.atoms[atom].name for atom in pair)
         return (name1, name2) in LINKS or (name2, name1) in LINKS
 
-    # ---- Across the periodic box, and by distance between residues ----
-
-    def _makeWhole(self):
-        if self._box is not None:
-            self.positions = makeWhole(self.positions, list(self._bonds), self._box)
+    # ---- By distance between residues ----
 
     def _bondNearAtoms(self):
         positions, numbers, residueOf = self.positions, self.numbers, self.residueOf

@@ -9,6 +9,7 @@ import numpy as np
 
 from .contexts import contextOf
 from .datatables import readTable
+from .graphs import connectedParts, neighborLists
 from .openmmchaintree import StericExclusionForce
 
 # A bond's length is at most this factor times the sum of covalent radii. Hydrogens are often placed carelessly. WIDE is
@@ -35,7 +36,7 @@ _DONORS = np.array([7, 8, 9, 15, 16, 17, 34, 35, 53])
 # Alkali ions, which water surrounds everywhere: they are bound only if the file says so.
 _LOOSE_METALS = np.array([3, 11, 19, 37, 55])
 
-_SULFUR = 16
+_HYDROGEN, _SULFUR = 1, 16
 
 # The largest number of bonds of an atom, by atomic number: H, C, N, O, F, Cl, Br, I.
 _MOST_BONDS = {1: 1, 6: 4, 7: 4, 8: 2, 9: 1, 17: 1, 35: 1, 53: 1}
@@ -129,6 +130,40 @@ def bondedPairs(positions, numbers, stretch=_STRETCH):
     hydrogens = (numbers[first] == 1) & (numbers[second] == 1)
     longest = longestBonds(numbers[first], numbers[second], stretch)
     return pairs[(_SHORTEST <= distances) & (distances <= longest) & ~hydrogens]
+
+
+def bondsBetweenParts(positions, numbers, bonds):
+    """Return bonds by distance between the parts of a residue that its bonds do not connect, the likeliest first.
+
+    positions : (n, 3) array, nm; numbers : (n,) int array, atomic numbers; bonds : list of (int, int)
+    """
+    part = connectedParts(len(numbers), bonds)
+    near = bondedPairs(positions, numbers, WIDE)
+    near = near[part[near[:, 0]] != part[near[:, 1]]]
+    lengths = np.linalg.norm(positions[near[:, 0]] - positions[near[:, 1]], axis=1)
+    ends = numbers[near[:, 0]], numbers[near[:, 1]]
+    isLong = lengths > longestBonds(*ends)
+    isWhole = lengths >= shortestBonds(*ends)
+    neighbors = neighborLists(len(numbers), bonds)
+    found = []
+    for number in np.lexsort((lengths, isLong)):
+        first, second = near[number].tolist()
+        if not isWhole[number]:
+            continue
+        # A hydrogen has one bond, to the nearest atom.
+        if any(numbers[atom] == _HYDROGEN and neighbors[atom] for atom in (first, second)):
+            continue
+        # A pair longer than bonds are is no bond if it spans an angle, or lies on top of another bond.
+        if isLong[number] and not (
+            set(neighbors[first]).isdisjoint(neighbors[second])
+            and areAnglesOfBonds(positions, first, second, neighbors[first])
+            and areAnglesOfBonds(positions, second, first, neighbors[second])
+        ):
+            continue
+        neighbors[first].append(second)
+        neighbors[second].append(first)
+        found.append((first, second))
+    return found
 
 
 def areAnglesOfBonds(positions, atom, other, neighbors):

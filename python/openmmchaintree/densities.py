@@ -14,6 +14,7 @@ from .openmmchaintree import StericExclusionForce, TorsionDensity
 from .residues import aminoAcid, isMirrored
 from .selection import AtomSelection
 from .torsions import findTorsions
+from .units import inUnit
 
 # The table of rotamers gives the last chi of these modulo half a turn.
 _ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
@@ -68,19 +69,16 @@ def rotamerDensities(
     ValueError
         if there is no such torsion, or the selection selects nothing
     """
-    densities = {}
+    floor = inUnit(floor, "1", "floor")
     drawn = DrawnTorsions([], [])
     for residue, torsions in _torsionsByResidue(topology, force, ("chi1", "chi2", "chi3", "chi4"), selection):
         name = _nameInTables(residue)
         if name not in _rotamers():
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
-        mirrored = isMirrored(residue.name)
         for run in _runs(chis) if parts else (chis,):
-            if (name, mirrored, run) not in densities:
-                densities[name, mirrored, run] = _rotamerDensity(name, mirrored, run, floor)
             drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in run))
-            drawn.density.append(densities[name, mirrored, run])
+            drawn.density.append(_rotamerDensity(name, isMirrored(residue.name), run, floor))
     return _notEmpty(drawn, "side chains")
 
 
@@ -120,7 +118,7 @@ def ramachandranDensities(
     ValueError
         if there is no such torsion, or the selection selects nothing
     """
-    densities = {}
+    floor = inUnit(floor, "1", "floor")
     drawn = DrawnTorsions([], [])
     atoms = list(topology.atoms())
     for residue, torsions in _torsionsByResidue(topology, force, ("phi", "psi"), selection):
@@ -132,16 +130,8 @@ def ramachandranDensities(
         if name is None:
             continue
         kinds = tuple(kind for kind in ("phi", "psi") if kind in torsions)
-        mirrored = isMirrored(residue.name)
-        if (name, mirrored, kinds) not in densities:
-            counts = _loops()[name]
-            if mirrored:
-                counts = counts[::-1, ::-1]
-            if len(kinds) == 1:
-                counts = counts.sum(axis=1 if kinds == ("phi",) else 0)
-            densities[name, mirrored, kinds] = TorsionDensity.fromTable(counts, floor)
         drawn.torsions.append(tuple(torsions[kind] for kind in kinds))
-        drawn.density.append(densities[name, mirrored, kinds])
+        drawn.density.append(_loopDensity(name, isMirrored(residue.name), kinds, floor))
     return _notEmpty(drawn, "backbones of proteins")
 
 
@@ -173,6 +163,7 @@ def _notEmpty(drawn, what):
     return drawn
 
 
+@functools.cache
 def _rotamerDensity(name, mirrored, chis, floor):
     counts, means, deviations = _rotamers()[name]
     means = -means if mirrored else means
@@ -182,6 +173,16 @@ def _rotamerDensity(name, mirrored, chis, floor):
         counts, deviations = np.tile(counts, 2), np.tile(deviations, (2, 1))
         means = (np.concatenate((means, turned)) + 180) % 360 - 180
     return TorsionDensity.fromRotamers(counts, np.radians(means[:, chis]), np.radians(deviations[:, chis]), floor)
+
+
+@functools.cache
+def _loopDensity(name, mirrored, kinds, floor):
+    counts = _loops()[name]
+    if mirrored:
+        counts = counts[::-1, ::-1]
+    if len(kinds) == 1:
+        counts = counts.sum(axis=1 if kinds == ("phi",) else 0)
+    return TorsionDensity.fromTable(counts, floor)
 
 
 def _nameInTables(residue):

@@ -68,7 +68,7 @@ class ClashReporter:
         self._maxOverlap = None if maxOverlap is None else inUnit(maxOverlap, "nm", "maxOverlap")
         if self._maxOverlap is not None and not self._maxOverlap >= 0:
             raise ValueError(f"maxOverlap must be at least 0, not {self._maxOverlap}")
-        self._watch: _ForceWatch | _TopologyWatch | None = None
+        self._look: _Look | None = None
         self._ownsFile = False
         if isinstance(file, (str, os.PathLike)):
             self._file: TextIO = open(file, "a" if append else "w", newline="")
@@ -86,7 +86,7 @@ class ClashReporter:
     def describeNextReport(self, simulation: app.Simulation) -> dict[str, Any]:
         """Return when to report next, and which data the State must hold, as `openmm.app.Simulation` asks."""
         steps = self._reportInterval - simulation.currentStep % self._reportInterval
-        return {"steps": steps, "periodic": False, "include": self._watchOf(simulation).include}
+        return {"steps": steps, "periodic": False, "include": self._lookAt(simulation).include}
 
     def report(self, simulation: app.Simulation, state: openmm.State) -> None:
         """Write a line, and end the simulation if the worst clash overlaps by too much.
@@ -96,7 +96,7 @@ class ClashReporter:
         ClashError
             if a clash overlaps by more than maxOverlap
         """
-        clashes = self._watchOf(simulation).find(simulation, state)
+        clashes = self._lookAt(simulation).find(simulation, state)
         worst = max(clashes, key=lambda clash: clash.overlap, default=None)
         time = state.getTime().value_in_unit(unit.picosecond)
         about = [""] * 3 if worst is None else [f"{worst.overlap:.6f}", worst.atom1, worst.atom2]
@@ -110,44 +110,30 @@ class ClashReporter:
                 worst,
             )
 
-    def _watchOf(self, simulation):
-        if self._watch is None:
-            force = _stericForceOf(simulation.system)
-            self._watch = _TopologyWatch() if force is None else _ForceWatch(force)
-        return self._watch
+    def _lookAt(self, simulation):
+        if self._look is None:
+            self._look = _Look(simulation)
+        return self._look
 
 
-def _stericForceOf(system):
-    forces = [force for force in system.getForces() if StericExclusionForce.isinstance(force)]
-    if len(forces) > 1:
-        raise ValueError("the System has more than one StericExclusionForce")
-    return StericExclusionForce.cast(forces[0]) if forces else None
+class _Look:
+    """Finds the clashes of a Simulation: by the System's force, which knows the positions, or else by one of its own.
 
+    include : the data of a State that it needs
+    """
 
-class _ForceWatch:
-    """Asks the System's force, which knows the positions."""
-
-    include = ()
-
-    def __init__(self, force):
-        self._force = force
-        self._names = None
-
-    def find(self, simulation, state):
-        if self._names is None:
-            self._names = [nameAtom(atom) for atom in simulation.topology.atoms()]
-        return nameClashes(*self._force.getClashes(simulation.context), self._names)
-
-
-class _TopologyWatch:
-    """Makes a force from the Topology, and a separate Context for it."""
-
-    include = ("positions",)
-
-    def __init__(self):
+    def __init__(self, simulation):
+        forces = [force for force in simulation.system.getForces() if StericExclusionForce.isinstance(force)]
+        if len(forces) > 1:
+            raise ValueError("the System has more than one StericExclusionForce")
+        self._force = StericExclusionForce.cast(forces[0]) if forces else None
+        self._names = [nameAtom(atom) for atom in simulation.topology.atoms()] if forces else []
         self._finder = None
+        self.include = () if forces else ("positions",)
 
     def find(self, simulation, state):
+        if self._force is not None:
+            return nameClashes(*self._force.getClashes(simulation.context), self._names)
         positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
         if self._finder is None:
             self._finder = ClashFinder(simulation.topology, positions, "the simulation's Topology")

@@ -4,16 +4,12 @@ Amino acids, nucleotides and water are in OpenMM's tables, with the names that p
 residues are looked up in the chemical component dictionary of the Protein Data Bank, which the package biotite holds.
 """
 
-import xml.etree.ElementTree as ElementTree
 from functools import cache
-from pathlib import Path
 
-import openmm.app
+from openmm import app
 
 from .extras import importExtra
 from .residues import aminoAcid, isCalledWater, nucleotide
-
-_DATA = Path(openmm.app.__file__).parent / "data"
 
 
 def isStandard(residueName):
@@ -49,47 +45,29 @@ def templateBonds(residueName, atomNames):
 @cache
 def _standardBonds():
     """Return OpenMM's table: residue names, each with the pairs of atoms that are bonded within the residue."""
-    table = {}
-    for residue in ElementTree.parse(_DATA / "residues.xml").getroot().iter("Residue"):
-        bonds = [(bond.attrib["from"], bond.attrib["to"]) for bond in residue.iter("Bond")]
-        table[residue.attrib["name"]] = [bond for bond in bonds if not any(name[0] in "+-" for name in bond)]
-    return table
+    app.Topology().createStandardBonds()  # loads the table
+    return {
+        name: [bond for bond in bonds if not any(atom[0] in "+-" for atom in bond)]
+        for name, bonds in app.Topology._standardBonds.items()
+    }
 
 
 def standardName(residueName):
     """Return the name of a residue in OpenMM's tables: ALA for DAL, NH2 for NHE, DA for DA5, or else the same name."""
-    return aminoAcid(residueName) or nucleotide(residueName) or _residueAliases().get(residueName, residueName)
+    return aminoAcid(residueName) or nucleotide(residueName) or _otherNames()[0].get(residueName, residueName)
 
 
-@cache
-def _residueAliases():
-    """Return other names of residues, each with the name in OpenMM's table."""
-    residues = list(_names().iter("Residue"))
-    return {
-        other: residue.attrib["name"]
-        for residue in residues
-        for key, other in residue.attrib.items()
-        if key.startswith("alt")
-    }
-
-
-@cache
 def atomAliases(residueName):
     """Return other names of the atoms of a residue, each with the name in OpenMM's table."""
-    aliases = {}
-    residues = {residue.attrib["name"]: residue for residue in _names().iter("Residue")}
-    kind = residues[residueName].attrib.get("type") if residueName in residues else None
-    for source in ("All", kind, residueName):
-        for atom in residues[source].iter("Atom") if source in residues else ():
-            for key, other in atom.attrib.items():
-                if key != "name":
-                    aliases[other] = atom.attrib["name"]
-    return aliases
+    byResidue = _otherNames()[1]
+    return byResidue.get(residueName, byResidue["All"])
 
 
 @cache
-def _names():
-    return ElementTree.parse(_DATA / "pdbNames.xml").getroot()
+def _otherNames():
+    """Return OpenMM's tables of other names: those of residues, and for each residue those of its atoms."""
+    app.PDBFile._loadNameReplacementTables()
+    return app.PDBFile._residueNameReplacements, app.PDBFile._atomNameReplacements
 
 
 @cache

@@ -78,6 +78,14 @@ def listOf(names):
     return read
 
 
+def refuseWithout(options, needed, *names):
+    """Refuse the named options if they are given, since they need others that are not given."""
+    for name in names:
+        value = getattr(options, name)
+        if value is not None and value is not False:
+            raise InputError(f"--{name.replace('_', '-')} needs {needed}")
+
+
 def addStructure(parser):
     """Add the argument that names the structure."""
     parser.add_argument(

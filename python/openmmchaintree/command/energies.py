@@ -1,25 +1,11 @@
 """The energies of a run: the parts of U, and OpenMM's own value."""
 
-from typing import NamedTuple
-
 import openmm
 from openmm import unit
 
 from ..openmmchaintree import StericExclusionForce
 
 _GROUPS = 32  # OpenMM's number of force groups
-
-
-class ForceEnergy(NamedTuple):
-    """A Force of a System, how its energy in a trial is evaluated and why, and its energy (kJ/mol).
-
-    The energy is None if there are more Forces than OpenMM has groups.
-    """
-
-    name: str
-    kind: str
-    reason: str
-    energy: float | None
 
 
 class Energies:
@@ -54,7 +40,11 @@ class Energies:
         return statistics if statistics.attempted else None
 
     def byOpenMM(self, positions):
-        """Return U at positions by OpenMM's Reference platform (kJ/mol), and a list of ForceEnergy."""
+        """Return U at positions by OpenMM's Reference platform (kJ/mol), and a dictionary for each Force.
+
+        It says how the energy of the Force in a trial is evaluated, and why; and that energy, or None if there are more
+        Forces than OpenMM has groups.
+        """
         if self._reference is None:
             self._reference = self._makeReference()
         context = self._reference
@@ -63,7 +53,12 @@ class Energies:
         energies = {group: _energy(context, {group}) for group in groups}
         isDistinct = self._context.getSystem().getNumForces() <= _GROUPS
         parts = [
-            ForceEnergy(entry.name, entry.kind, entry.reason, energies[entry.force] if isDistinct else None)
+            {
+                "name": entry.name,
+                "kind": entry.kind,
+                "reason": entry.reason,
+                "energy": energies[entry.force] if isDistinct else None,
+            }
             for entry in self.plan
         ]
         return sum(energies.values()), parts

@@ -1,11 +1,12 @@
 """The options that choose a force field, its temperature and hydrogens."""
 
-from ..errors import InputError
-from .arguments import numberIn, positive
+from .arguments import numberIn, positive, refuseWithout
 from .energymodel import HARD, OFF, EnergyModel
 
 _TEMPERATURE = 300.0  # K
 _PH = 7.0
+
+_NEED_FORCE_FIELD = ("temperature", "nonbonded_cutoff", "steric", "trials_per_outer_test", "no_native_energies")
 
 
 def addEnergyOptions(parser):
@@ -61,17 +62,10 @@ def readEnergyOptions(options):
     InputError
         if an option needs another one, or a file is not a force field
     """
-    needs = [
-        ("--temperature", options.temperature, "--forcefield", options.forcefield),
-        ("--nonbonded-cutoff", options.nonbonded_cutoff, "--forcefield", options.forcefield),
-        ("--steric", options.steric, "--forcefield", options.forcefield),
-        ("--trials-per-outer-test", options.trials_per_outer_test, "--forcefield", options.forcefield),
-        ("--no-native-energies", options.no_native_energies or None, "--forcefield", options.forcefield),
-        ("--ph", options.ph, "--add-hydrogens", options.add_hydrogens or None),
-    ]
-    for option, value, needed, given in needs:
-        if value is not None and given is None:
-            raise InputError(f"{option} needs {needed}")
+    if options.forcefield is None:
+        refuseWithout(options, "--forcefield", *_NEED_FORCE_FIELD)
+    if not options.add_hydrogens:
+        refuseWithout(options, "--add-hydrogens", "ph")
     pH = None
     if options.add_hydrogens:
         pH = _PH if options.ph is None else options.ph

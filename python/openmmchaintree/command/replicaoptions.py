@@ -7,12 +7,14 @@ from ..replicas.coordinator import RunPlan
 from ..replicas.ladder import REPLICAS, deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
 from ..structures.limits import checkMemory
-from .arguments import addScheduler, checkWorkers, numberIn, positive, positiveUpTo, usableCores
+from .arguments import addScheduler, checkWorkers, numberIn, positive, positiveUpTo, refuseWithout, usableCores
 
 _TRIALS_PER_EXCHANGE = 4000
 _TRIALS_PER_ROUND = 10000  # without exchange
 _CHECKPOINT_INTERVAL = 60.0  # s
 _BYTES_PER_ATOM = 24  # in a stored frame
+
+_NEED_REPLICAS = ("workers", "scheduler", "trials_per_round", "trajectories", "checkpoint_interval", "resume")
 
 
 class ReplicaChoice(NamedTuple):
@@ -111,16 +113,13 @@ def readReplicaOptions(options):
             raise InputError(
                 f"--replicas {options.replicas}: there is one replica for each of {len(temperatures)} temperatures"
             )
-    elif options.trials_per_exchange is not None:
-        raise InputError("--trials-per-exchange needs --temperatures")
-    elif options.trajectories == "temperature":
-        raise InputError("--trajectories temperature needs --temperatures")
+    else:
+        refuseWithout(options, "--temperatures", "trials_per_exchange")
+        if options.trajectories == "temperature":
+            raise InputError("--trajectories temperature needs --temperatures")
     if temperatures is None and options.replicas is None:
-        for name in ("workers", "scheduler", "trials_per_round", "trajectories", "checkpoint_interval", "resume"):
-            if getattr(options, name) is not None:
-                raise InputError(
-                    f"--{name.replace('_', '-')} needs --replicas or --temperatures; --replicas 1 is a run of one"
-                )
+        needed = "--replicas or --temperatures; --replicas 1 is a run of one"
+        refuseWithout(options, needed, *_NEED_REPLICAS)
         return None
     checkWorkers(options)
     workers = options.workers or usableCores()

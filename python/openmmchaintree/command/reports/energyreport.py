@@ -39,7 +39,7 @@ def summarizeEnergies(energies, frames, positions):
             "lastByOpenMM": total,
         },
         "potentialEnergies": along,
-        "forces": [part._asdict() for part in parts],
+        "forces": parts,
         "stages": [stage._asdict() for stage in energies.stages()],
         "outerTests": None if outer is None else outer._asdict(),
     }
