@@ -58,21 +58,30 @@ static bool addChanged(void* context, int particle1, int particle2, double befor
   return true;
 }
 
+static bool addOverlapping(void* context, int particle, double overlap) {
+  (void)overlap;
+  *(double*)context += particle * particle;
+  return true;
+}
+
 /* Asks both scenes of a change, which moves few slots or more, and makes it the state of both if it is free. Returns
  * whether it clashes. */
 static bool ask(ctChainTree* trees[2], const ctChange* change, bool isFew, bool alsoPairs, ctCounts counts[2]) {
   bool clash[2];
   int pairs[2][2] = {{0}};
   double changed[2] = {0};
+  double overlapping[2] = {0};
+  const double middle[3] = {3.3, 2.8, 4.1};
   for (int i = 0; i < 2; i++) {
     CHECK_SUCCESS(ctPropose(trees[i], 1, change));
     CHECK_SUCCESS(ctTestTrial(trees[i], &clash[i], pairs[i], &counts[i]));
     if (alsoPairs) {
       CHECK_SUCCESS(ctForEachChangedPair(trees[i], 1.2, addChanged, &changed[i], NULL));
+      CHECK_SUCCESS(ctForEachClashWith(trees[i], middle, 1.5, addOverlapping, &overlapping[i], NULL));
     }
   }
   CHECK(clash[0] == clash[1] && pairs[0][0] == pairs[1][0] && pairs[0][1] == pairs[1][1]);
-  CHECK(changed[0] == changed[1]);
+  CHECK(changed[0] == changed[1] && overlapping[0] == overlapping[1]);
   CHECK(!isFew || boxesHold(trees[0]));
   for (int i = 0; i < 2; i++) {
     if (clash[0]) {
