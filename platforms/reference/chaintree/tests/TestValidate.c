@@ -78,7 +78,8 @@ static void testBoxes(void) {
   CHECK_SUCCESS(ctPropose(scene, 1, &change));
   CHECK_SUCCESS(ctTestTrial(scene, &clash, NULL, NULL));
   int made = 0;
-  while (made < scene->ownTree.levelSize[0] && scene->traversal.box[made].builtFrom < scene->ownTree.contentRevision[made]) {
+  while (made < scene->ownTree.levelSize[0] &&
+         scene->traversal.box[made].builtFrom < scene->ownTree.contentRevision[made]) {
     made++;
   }
   CHECK(made < scene->ownTree.levelSize[0]);
