@@ -152,7 +152,7 @@ static void testOldVersions(Platform& platform)
             [&] {
                 run.loadCheckpoint(flip(good, i + 6, 3));
             },
-            "what was kept is damaged: particle 20", numRefused);
+            "the saved state is damaged: particle 20", numRefused);
     }
     ASSERT(numFound >= 2);
     ASSERT_EQUAL(numFound, numRefused);
@@ -163,7 +163,7 @@ static void testOldVersions(Platform& platform)
     size_t found = xml.find(digits);
     ASSERT(found != string::npos);
     xml[found + 13] = xml[found + 13] == '0' ? '8' : '0';
-    assertThrows("what was kept is damaged: particle 20 is not where its link has it", [&] {
+    assertThrows("the saved state is damaged: particle 20 is not where its link places it", [&] {
         run.context->setState(fromXml(xml));
     });
 }

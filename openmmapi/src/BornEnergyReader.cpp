@@ -1,4 +1,4 @@
-/* What BornReader makes of energies. */
+/* The energies of a BornReader. */
 
 #include "lepton/ParsedExpression.h"
 #include "openmmchaintree/internal/BornReader.h"
@@ -16,11 +16,11 @@ static const vector<string> PAIR_ENERGIES = {
     "plain/f+screened*exp(k*f)/f; f=sqrt(r^2+B1*B2*exp(-r^2/(4*B1*B2)))",
     "plain/f+plainShift+(screened/f+screenedShift)*exp(k*f); f=sqrt(r^2+B1*B2*exp(-r^2/(4*B1*B2)))"};
 
-/** Where the energy does not depend on each alone: kJ nm / (mol e^2), nm, and kJ/mol/nm^2. */
+/** Used where the energy does not determine each of them: kJ nm / (mol e^2), nm, and kJ/mol/nm^2. */
 static const double USUAL_COULOMB = 138.935485, USUAL_PROBE = 0.14, USUAL_SURFACE_ENERGY = 28.3919551;
 
 /**
- * Find the parameter that is the charge: the energy of pairs is a multiple of the product of theirs.
+ * Find the parameter that is the charge: the energy of pairs is a multiple of the product of the charges.
  */
 void BornReader::findCharges(const ExpressionTreeNode& node)
 {
@@ -83,7 +83,7 @@ void BornReader::readPairEnergy()
 }
 
 /**
- * Only products of the Coulomb constant and dielectrics can be known.
+ * The energy determines only products of the Coulomb constant and dielectrics.
  */
 void BornReader::readDielectrics(bool isScreened)
 {
@@ -123,7 +123,7 @@ void BornReader::readSelfEnergy()
 }
 
 /**
- * Find what makes the energies of surfaces, a (R + p)^2 R^6 of each particle. Of p the usual value is tried first.
+ * Find a and p such that the energy of each surface is a (R + p)^2 R^6. The usual value of p is tried first.
  */
 void BornReader::readSurface(const vector<double>& surface)
 {

@@ -14,26 +14,26 @@ using namespace std;
 using Lepton::ExpressionTreeNode;
 using Lepton::Operation;
 
-// ---- How models are written ----
+// ---- The expressions of the models ----
 
 static const string PAIR_SUM = "step(r+s2-o1)*0.5*(1/L-1/U+0.25*(r-s2^2/r)*(1/U^2-1/L^2)+0.5*log(L/U)/r)";
 static const string NECK = "+step(reach-r)*height/(1+100*(r+shift)^2+300000*(r+shift)^6)";
 static const string FILLING = "+step(r+s2-o1)*step(s2-r-o1)*(1/o1-1/L)";
 static const string SPHERES = "; U=r+s2; L=max(o1,abs(r-s2))";
 
-/** Those with filled spheres come last. */
+/** Models with filled spheres come last. */
 static const vector<string> PAIR_SUMS = {PAIR_SUM + SPHERES, PAIR_SUM + NECK + SPHERES, PAIR_SUM + FILLING + SPHERES,
                                          PAIR_SUM + NECK + FILLING + SPHERES};
 static const int FIRST_FILLED = 2;
 static const vector<string> RADII = {"one/(o+t*I)", "one/(o+t*tanh(p1*I+p2*I^2+p3*I^3))", "one/(o+t*tanh(p1*I+p3*I^3))",
                                      "one/(o+t*tanh(p1*I+p2*I^2))", "one/(o+t*tanh(p1*I))"};
-/** What rounding makes of a pair sum (1/nm) whose parts cancel, of particles that are as near as 0.02 nm. */
+/** The rounding error of a pair sum (1/nm) whose parts cancel, for particles 0.02 nm apart. */
 static const double SUM_ROUNDING = 1e-10;
-/** Most particles on which a tabulated parameter of the model may depend. */
+/** The largest number of particle types of a tabulated parameter. */
 static const int MAX_NECK_TYPES = 128;
-/** Most particles of which all pairs are compared. */
+/** The largest number of particles for which all pairs are compared. */
 static const size_t MAX_COMPARED = 300;
-/** How often the energies are compared at random. */
+/** The number of random comparisons of energies. */
 static const int NUM_RANDOM = 300;
 
 void BornReader::require(bool condition, const char* what)
@@ -54,7 +54,7 @@ static bool isNumber(const ExpressionTreeNode& node)
     return node.getOperation().getId() != Operation::VARIABLE && all_of(children.begin(), children.end(), isNumber);
 }
 
-// ---- What the Force consists of ----
+// ---- The expressions of the Force ----
 
 void BornReader::parse()
 {
@@ -88,8 +88,8 @@ void BornReader::parse()
 // ---- Coefficients ----
 
 /**
- * Get what an expression of one particle is for each of them. In expressions of two, that is the first or the second
- * one; else 0.
+ * Get the value of an expression for each particle: in expressions of two particles, the first or the second one; in
+ * others, OnNone.
  */
 vector<double> BornReader::getValues(const ExpressionTreeNode& node, ParticleExpressions::Dependence particle) const
 {
@@ -114,7 +114,7 @@ vector<double> BornReader::getValues(const FormMatch& match, const string& name)
 }
 
 /**
- * Get what has to be the same number for all particles, wherever the name stands.
+ * Get the value of a name, which must be one number for all particles and everywhere in the expression.
  */
 double BornReader::getNumber(const FormMatch& match, const string& name) const
 {
@@ -127,8 +127,9 @@ double BornReader::getNumber(const FormMatch& match, const string& name) const
 }
 
 /**
- * Get whether a coefficient of pairs is what is expected, a sum or else a product of functions of one particle each. If
- * it is such a sum or product itself, pairs with one particle tell; else all have to be compared.
+ * Get whether a coefficient of pairs has the expected values, which are a sum, or else a product, of functions of one
+ * particle each. If it is such a sum or product itself, pairs with one particle suffice; else all pairs have to be
+ * compared.
  */
 bool BornReader::arePairs(const ExpressionTreeNode& node, bool product, function<double(int, int)> expected)
 {
@@ -156,7 +157,7 @@ bool BornReader::arePairs(const ExpressionTreeNode& node, bool product, function
 }
 
 /**
- * Require that the coefficients that no name stands for are the numbers of the model.
+ * Require that the coefficients without a name are the numbers of the model.
  */
 void BornReader::requireNumbers(const FormMatch& match, const char* what) const
 {
@@ -220,7 +221,7 @@ void BornReader::readRadii()
 }
 
 /**
- * Make tables of necks by the parameters that they depend on.
+ * Make tables of necks by the parameters on which they depend.
  */
 void BornReader::readNecks(const FormMatch& match)
 {
@@ -262,10 +263,10 @@ void BornReader::readNecks(const FormMatch& match)
         }
 }
 
-// ---- All of it ----
+// ---- The whole model ----
 
 /**
- * Compare what the Force and its translation compute for particles at random.
+ * Compare the Force with its translation for random particles.
  */
 void BornReader::guard()
 {

@@ -7,7 +7,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * A parameter of a Context as a checkpoint holds it; its name comes before.
+ * Write each parameter of a Context after its name.
  */
 static void writeParameters(CheckpointWriter& writer, const map<string, double>& parameters)
 {

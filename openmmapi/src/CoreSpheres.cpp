@@ -17,7 +17,7 @@ class Type {
 public:
     double sigma, epsilon;
     vector<int> particles;
-    /** The greatest positive charge, and the greatest negative one without its sign. */
+    /** The greatest positive charge, and the absolute value of the greatest negative one. */
     double positive, negative;
     double radius;
 };
@@ -43,8 +43,8 @@ static vector<Type> findTypes(const EnergyTerms::Nonbonded& nonbonded)
 }
 
 /**
- * Get the distance below which two particles have more than an energy: the one root of
- * 4 epsilon (sigma^12 - sigma^6 d^6) - attraction d^11 - energy d^12.
+ * Get the distance below which two particles exceed an energy: the root of 4 epsilon (sigma^12 - sigma^6 d^6) -
+ * attraction d^11 - energy d^12.
  */
 static double findCoreDistance(const Type& a, const Type& b, double energy)
 {

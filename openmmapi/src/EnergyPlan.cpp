@@ -40,7 +40,7 @@ static string plural(long long count, const string& noun)
 }
 
 /**
- * Get whether a Force has an energy of pairs that holds all particles to which the StericExclusionForce gives a radius.
+ * Get whether a Force has an energy of pairs that includes all particles with a radius in the StericExclusionForce.
  */
 static bool holdsParticlesOf(const Force& force, const StericExclusionForce& steric)
 {
@@ -116,7 +116,7 @@ const Force* EnergyPlan::findForce(int index) const
 // ---- Spheres ----
 
 /**
- * Get the first Force of these groups whose energy of pairs takes the place of spheres, or -1 if there is none.
+ * Get the first Force of these groups whose energy of pairs replaces spheres, or -1 if there is none.
  */
 int EnergyPlan::findReplacement(int groups) const
 {
@@ -134,7 +134,7 @@ EnergyPlan::StericMode EnergyPlan::resolve(StericMode mode, int groups) const
 }
 
 /**
- * Say which part the StericExclusionForce has in U, and why.
+ * Describe the part of the StericExclusionForce in U, and why.
  */
 string EnergyPlan::describeStericPart(StericMode mode, int groups) const
 {
@@ -145,18 +145,18 @@ string EnergyPlan::describeStericPart(StericMode mode, int groups) const
     case TorsionMonteCarloIntegrator::Hard:
         return "its spheres are hard, so that they have no energy";
     case TorsionMonteCarloIntegrator::Off:
-        return "the steric mode is Off: its spheres count for nothing";
+        return "the steric mode is Off: its spheres have no effect";
     default:
         if (replacement < 0)
             return "no sampled Force has an energy of pairs of all its particles, so its spheres are hard";
-        return "its spheres count for nothing: force " + to_string(replacement) + ", " + entries[replacement].name +
+        return "its spheres have no effect: force " + to_string(replacement) + ", " + entries[replacement].name +
                ", has an energy of all pairs";
     }
 }
 
 CoreSpheres EnergyPlan::findCoreSpheres(int groups, double energy) const
 {
-    // Another energy of pairs could make good what Lennard-Jones and Coulomb forbid.
+    // Another energy of pairs could compensate a high energy of Lennard-Jones and Coulomb.
 
     int index = -1;
     for (size_t i = 0; i < entries.size(); i++) {
@@ -171,7 +171,7 @@ CoreSpheres EnergyPlan::findCoreSpheres(int groups, double energy) const
     if (index < 0 || !terms.pairSets.empty() || !terms.valueEnergies.empty())
         return CoreSpheres();
 
-    // How far pairs reach matters to none that is so near.
+    // The cutoff and periodic images do not matter at such short distances.
 
     unique_ptr<Force> copy(NativeForceKind::find(*copies[index])->copy(*copies[index]));
     NonbondedForce& force = dynamic_cast<NonbondedForce&>(*copy);
@@ -228,7 +228,7 @@ void EnergyPlan::translate(int groups, bool allowNative, StericMode mode)
 }
 
 /**
- * Get whether some parts of the terms are of a Force.
+ * Get whether a Force has some of these parts of the terms.
  */
 template <class PART>
 static bool hasPart(const vector<PART>& parts, int force)
@@ -249,12 +249,12 @@ bool EnergyPlan::isOfValues(int index) const
 }
 
 /**
- * Say what is done about a Force that has pairs.
+ * Describe how a Force with pairs or values is evaluated; empty for other Forces.
  */
 string EnergyPlan::describePairs(int index) const
 {
     if (hasStandIn(index))
-        return "trials see a stand-in";
+        return "trials use a stand-in";
     if (hasPart(terms.nonbonded, index) || hasPart(terms.pairSets, index))
         return "openmm-chaintree evaluates the pairs that a trial changes";
     for (const EnergyTerms::ValueEnergy& energy : terms.valueEnergies)

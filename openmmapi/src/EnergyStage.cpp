@@ -41,7 +41,7 @@ void EnergyStages::begin(TrialSession& trials)
 }
 
 /**
- * Get by what a change of energy multiplies a probability, as a logarithm.
+ * Get the logarithm of the factor exp(-energyChange / kT).
  */
 static double toLogRatio(double energyChange, double temperature)
 {

@@ -27,8 +27,8 @@ public:
 };
 
 /**
- * Stands for a function whose values the parser does not need. If it asked for one all the same, the expression would
- * become NaN, which nobody takes for an energy.
+ * Replaces a function whose values the parser does not need. Its value would be NaN, which cannot be mistaken for an
+ * energy.
  */
 class Placeholder : public Lepton::CustomFunction {
 public:
@@ -140,7 +140,7 @@ static ctOperator findOperator(Lepton::Operation::Id id)
 }
 
 /**
- * Get the number that is part of an operation; 0 if none is.
+ * Get the constant of an operation; 0 if it has none.
  */
 static double getOwnConstant(const Lepton::Operation& operation)
 {
@@ -156,7 +156,7 @@ static double getOwnConstant(const Lepton::Operation& operation)
     }
 }
 
-// ---- What names mean ----
+// ---- Names ----
 
 ExpressionTranslator::ExpressionTranslator(EnergyTerms::TermSet& set) :
     writtenInputs(set.inputs), operations(set.operations), writtenTables(noTables)
@@ -286,7 +286,7 @@ int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& co
 }
 
 /**
- * Bring an index of a discrete table into its range, as OpenMM does it.
+ * Clamp the index of a discrete table to its range, as OpenMM does.
  */
 int ExpressionTranslator::keepWithin(int operation, int size)
 {
@@ -357,7 +357,7 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
     if (std::set<int>(measured.begin(), measured.end()).size() < measured.size())
         throw Untranslatable("its expression takes " + name + " of one particle twice");
 
-    // All of them are the same backwards.
+    // The values are the same for the reverse order.
 
     if (measured.front() > measured.back())
         reverse(measured.begin(), measured.end());
@@ -367,7 +367,7 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
 }
 
 /**
- * Append an operation with a number that is known, in its shorter form. Returns -1 if there is none.
+ * Append the shorter form of an operation with a known number. Returns -1 if there is none.
  */
 int ExpressionTranslator::shorten(ctOperator kind, const array<int, 3>& arguments)
 {
@@ -433,7 +433,7 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
             return shorter;
     }
 
-    // The order of two that are added or multiplied makes no difference.
+    // Sums and products are symmetric.
 
     if ((kind == ctAddOperator || kind == ctMultiplyOperator) && arguments[0] > arguments[1])
         swap(arguments[0], arguments[1]);
@@ -443,7 +443,7 @@ int ExpressionTranslator::translateNode(const ExpressionTreeNode& node)
 // ---- Expressions ----
 
 /**
- * Get how many arguments of an operation are numbers of earlier ones.
+ * Get the number of arguments that are earlier operations.
  */
 static int countResults(const ctOperation& operation, const vector<EnergyTerms::TableFunction>& tables)
 {

@@ -11,7 +11,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Lets a Context have no ForceImpls but these for as long as it lives, also if an exception ends its life.
+ * Replaces the ForceImpls of a Context until the end of the scope.
  */
 class ForceImplGuard {
 public:
@@ -30,7 +30,7 @@ private:
 };
 
 /**
- * Get whether an environment variable, for tests, has a value. CHAINTREE_FOREIGN=copies says that no platform lets
+ * Get whether an environment variable, for tests, has a value. CHAINTREE_FOREIGN=copies means that no platform lets
  * ForceImpls evaluate, and CHAINTREE_FOREIGN=groups that there are no copies either.
  */
 static bool isSet(const string& value)
@@ -68,8 +68,8 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
         return;
     }
 
-    // Groups that cannot be evaluated for their foreign Forces: of native ones, and of foreign ones that are copied for
-    // these.
+    // Groups that cannot be evaluated as a whole: groups of native Forces, and of foreign Forces that are copied
+    // because they share one of these.
 
     const int native = plan.getGroups(EnergyPlan::Native) & groups;
     int avoided = native;
@@ -96,7 +96,7 @@ void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNati
 }
 
 /**
- * Make a part of a Force, and of the parts that have a group in common with it.
+ * Make a part of a Force and of all parts that share a group with it.
  */
 void ForeignForces::addToParts(int force, int itsGroups)
 {
@@ -111,7 +111,7 @@ void ForeignForces::addToParts(int force, int itsGroups)
 }
 
 /**
- * See to it that there are copies of some Forces. Returns false if one of them cannot be copied.
+ * Make copies of Forces, unless they exist. Returns false if one of them cannot be copied.
  */
 bool ForeignForces::makeCopies(const EnergyPlan& plan, const vector<int>& forces, bool haveChanged)
 {
@@ -119,7 +119,7 @@ bool ForeignForces::makeCopies(const EnergyPlan& plan, const vector<int>& forces
         return false;
     vector<const Force*> originals;
     for (int force : forces) {
-        const bool isWhole = (plan.getEntries()[force].groups & ~groups) == 0; // no group of its own is left out
+        const bool isWhole = (plan.getEntries()[force].groups & ~groups) == 0; // no group of the Force is left out
         const Force* original = isWhole ? plan.findForce(force) : NULL;
         if (original == NULL || !ForeignCopies::canCopy(*original))
             return false;
@@ -141,8 +141,8 @@ int ForeignForces::getWholeGroups() const
 
 double ForeignForces::computeAlone(TrialSession& trials, const vector<int>& forces) const
 {
-    // The StericExclusionForce adds nothing, but comes first and refuses other threads that find these ForceImpls. What
-    // they find has to last, too.
+    // The StericExclusionForce adds no energy, but comes first and refuses other threads that use these ForceImpls
+    // meanwhile. The list must outlive this call for their sake.
 
     vector<ForceImpl*>& chosen = chosenImpls[forces];
     if (chosen.empty()) {

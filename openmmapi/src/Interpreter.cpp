@@ -6,7 +6,7 @@
 using namespace ChainTreePlugin;
 using namespace std;
 
-/** How often to look for signals, in seconds, and for how long a step may take to end when one has come. */
+/** The interval of looking for signals, in seconds, and the time that a step may still take after one has come. */
 static const double TIME_BETWEEN_LOOKS = 0.05, PATIENCE = 0.3;
 
 static atomic<Interpreter*> current(NULL);
@@ -26,7 +26,7 @@ Interpreter* Interpreter::get()
 }
 
 /**
- * Get how long it is since a time, in seconds.
+ * Get the time since a point in time, in seconds.
  */
 static double secondsSince(chrono::steady_clock::time_point time)
 {
@@ -55,7 +55,7 @@ void SignalWatch::begin()
 }
 
 /**
- * Look for signals, and choose when to look again by how long trials take.
+ * Look for signals, and choose the next time to look by the time per trial.
  */
 bool SignalWatch::look()
 {

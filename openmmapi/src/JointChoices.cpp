@@ -7,7 +7,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Check what a move names of one kind of joints.
+ * Check the joints of one kind that a move names.
  *
  * @param links  the link that each joint moves
  * @param kind   "torsion" or "ball joint"

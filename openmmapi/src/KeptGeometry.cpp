@@ -12,7 +12,7 @@ static const double TOLERANCE = 1e-5, RELATIVE_TOLERANCE = 1e-6;
 
 [[noreturn]] static void fail(int particle, const string& what)
 {
-    throw OpenMMException("StericExclusionForce: what was kept is damaged: particle " + to_string(particle) + " " +
+    throw OpenMMException("StericExclusionForce: the saved state is damaged: particle " + to_string(particle) + " " +
                           what);
 }
 
@@ -50,18 +50,18 @@ void KeptGeometry::check(Scene& scene, const System& system) const
     if (agreedPositions.empty())
         return;
     if (agreedPositions.size() != positions.size())
-        throw OpenMMException("StericExclusionForce: what was kept is damaged: it has " +
+        throw OpenMMException("StericExclusionForce: the saved state is damaged: it has " +
                               to_string(agreedPositions.size()) + " positions");
 
     // OpenMM computes virtual sites itself.
 
     for (size_t i = 0; i < positions.size(); i++)
         if (!system.isVirtualSite(i) && !areNear(positions[i], agreedPositions[i]))
-            fail(i, "is not where its link has it");
+            fail(i, "is not where its link places it");
 }
 
 /**
- * Get whether these are the positions that were last seen, but for periodic images.
+ * Get whether these are agreedPositions, up to periodic images.
  */
 bool KeptGeometry::hasImage(const vector<Vec3>& positions, const Vec3* box) const
 {
@@ -98,7 +98,7 @@ bool KeptGeometry::checkPositions(const vector<Vec3>& positions, const Vec3* box
     if (!someAreSame)
         return isImage;
 
-    // The distances to the first particle of a link and to the one before tell its shape.
+    // The distances to the first particle of a link and to the previous one determine its shape.
 
     const vector<int>& links = structure.getParticleLinks();
     vector<int> first(structure.getLinks().size(), -1), last(first);

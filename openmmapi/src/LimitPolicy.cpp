@@ -41,7 +41,7 @@ void LimitPolicy::particlesWereMoved()
 
 void LimitPolicy::positionsWereSeen(long long stepCount)
 {
-    // A step that is under way has the count with which it began. With another one it is over.
+    // During a step the Context has the step count with which the step began. With another count the step is over.
 
     if (stepCount != stepBegun)
         stepBegun = NO_STEP;
@@ -96,7 +96,7 @@ void LimitPolicy::refuseToleratedClashes()
 // ---- Checkpoints ----
 
 /**
- * A limit as a checkpoint holds it.
+ * A limit in a checkpoint.
  */
 class LimitRecord {
 public:

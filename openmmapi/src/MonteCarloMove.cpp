@@ -13,7 +13,7 @@ using namespace std;
 // ---- Kinds ----
 
 /**
- * Get all kinds by their elements. Kinds make themselves known before main() begins, in an order that nobody knows.
+ * Get all kinds by their elements. They are registered before main() begins, in undefined order.
  */
 static map<string, const MoveKind*>& knownKinds()
 {
@@ -77,7 +77,7 @@ string MoveParameter::getRange() const
 }
 
 /**
- * Throw an exception if an angle is more than any move needs. Mostly it is one in degrees.
+ * Throw an exception if an angle is above pi. It is probably in degrees.
  */
 static void checkAngle(double angle, const string& name)
 {

@@ -13,17 +13,17 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** OpenMM's energy is compared again after this number of trials, which take far longer than an evaluation. */
+/** OpenMM's energy is compared again after this number of trials, which take much longer than one evaluation. */
 static const long long TRIALS_BETWEEN_CHECKS = 1000000;
 
-/** The same after a comparison that proved little, because the energy was huge. It doubles with each of these. */
+/** The same after a comparison of huge energies, which proves little. It doubles each time. */
 static const long long TRIALS_AFTER_VAGUE_CHECK = 1000;
 
 /** Overlapping cores exceed this energy, in kT: such states are never sampled. */
 static const double CORE_ENERGY = 60;
 
 /**
- * The temperatures for which cores are made: this one, in Kelvin, twice as much, and so on. A replica that exchanges
+ * The temperatures for which cores are made: this one, in Kelvin, times powers of 2. So a replica that exchanges
  * temperatures keeps its cores.
  */
 static const double LOWEST_CORE_TEMPERATURE = 500;
@@ -43,7 +43,7 @@ NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, Steric
     checkInterval(TRIALS_AFTER_VAGUE_CHECK), numComputed(0), computedChange(0), nearChange(0), standInCutoff(0),
     standInIsSet(false), whole({false, 0, 0}), savedWhole({false, 0, 0}), values({false, {}}), savedValues({false, {}})
 {
-    // The scene needs another tree for terms of more particles, so it gets the terms before it has a tree.
+    // Terms of more particles require another tree, so the scene gets the terms before it has a tree.
 
     updatePlan();
 }
@@ -116,7 +116,7 @@ void NativeEnergy::translate()
 }
 
 /**
- * Say when something is evaluated that is left to outer tests or not.
+ * Describe when an energy is evaluated, given the trials per outer test; 0 if it is not left to tests.
  */
 static string describeTime(int trialsPerTest)
 {
@@ -225,7 +225,7 @@ bool NativeEnergy::isPossible(double energy)
 }
 
 /**
- * Throw an exception about an energy that no state can have. The Forces that have it come after a colon, if any.
+ * Throw an exception that names the Forces with an impossible energy, if known.
  */
 [[noreturn]] static void fail(const vector<string>& forces)
 {
@@ -241,7 +241,7 @@ static string describe(const EnergyPlan& plan, size_t force)
 }
 
 /**
- * Throw an exception if a native Force has an energy that no state can have.
+ * Throw an exception if a native Force has an impossible energy.
  */
 void NativeEnergy::checkNumbers(const vector<double>& energies) const
 {
@@ -259,7 +259,7 @@ void NativeEnergy::refuseState(TrialSession& trials) const
 }
 
 /**
- * Update the scene's energy and get what it holds.
+ * Update the scene's energy and get it.
  */
 const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 {
@@ -271,7 +271,7 @@ const NativeEnergy::HeldEnergy& NativeEnergy::updateHeld()
 }
 
 /**
- * Update the energies that a stand-in replaces. This comes after updateHeld(), which finds out if they are current.
+ * Update the energies that a stand-in replaces. Call this after updateHeld(), which finds out if they are current.
  */
 const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 {
@@ -282,7 +282,7 @@ const NativeEnergy::WholeEnergy& NativeEnergy::updateWhole()
 }
 
 /**
- * Update the energies of values. Outside of a trial, this also comes after updateHeld().
+ * Update the energies of values. Outside of a trial, call this after updateHeld(), too.
  */
 const vector<double>& NativeEnergy::updateValues()
 {
@@ -295,7 +295,7 @@ const vector<double>& NativeEnergy::updateValues()
 }
 
 /**
- * Update the scene's energy and get that of each Force.
+ * Update the scene's energy and get the energy of each Force.
  */
 vector<double> NativeEnergy::updateEnergies()
 {
@@ -400,7 +400,7 @@ void NativeEnergy::forgetTrial()
     computedChange = 0;
 }
 
-// ---- What trials see ----
+// ---- The energy of trials, U1 ----
 
 double NativeEnergy::getNearCorrection()
 {
@@ -416,8 +416,7 @@ double NativeEnergy::getNearCorrection()
 
 int NativeEnergy::getTrialsPerOuterTest() const
 {
-    // Foreign Forces that are asked at each trial bring the whole energy of all native ones if they are mixed with
-    // them.
+    // Foreign Forces that are evaluated with native ones in each trial already give the whole native energy.
 
     const int trials = integrator.getTrialsPerOuterTest();
     const bool foreignIsLeft = !selectForeign(true).empty();
@@ -486,7 +485,7 @@ double NativeEnergy::getInnerEnergy()
 }
 
 /**
- * Give the scene the numbers of the stand-in. The first series of trials makes them.
+ * Give the scene the numbers of the stand-in. The first series of trials computes them.
  */
 void NativeEnergy::updateStandIn()
 {
@@ -502,11 +501,11 @@ void NativeEnergy::updateStandIn()
 }
 
 /**
- * Make the numbers of the stand-in those of the present state.
+ * Compute the numbers of the stand-in for the present state.
  */
 void NativeEnergy::computeStandIn()
 {
-    // The scene takes new positions here, so that updateHeld() will not find any.
+    // The scene's energy becomes current here, so updateHeld() would not reset these.
 
     getEnergy().renewStandIn();
     whole.isCurrent = values.isCurrent = false;

@@ -20,32 +20,32 @@ using namespace std;
 
 static const int NUM_GROUPS = 32;
 
-// What may differ. The scene's terms are in double. Its pairs are in single precision: the distance of two particles
-// is rounded by some 1e-7 nm, since leaves are some nm wide. What that makes of an energy is known from the forces,
+// Tolerances. The scene's terms are in double precision. Its pairs are in single precision: the distance of two
+// particles is rounded by some 1e-7 nm, since leaves are some nm wide. Forces give the resulting error of an energy,
 // also where parts of it cancel, and where particles overlap.
 
-/** The promise of the library of energies, kJ/mol and relative. */
+/** The accuracy of the library of energies, kJ/mol and relative. */
 static const double ABSOLUTE = 5e-3, RELATIVE = 1e-6;
-/** The rounding of positions, nm: twice what is usual. */
+/** The rounding of positions, nm: twice the usual value. */
 static const double ROUNDING = 4e-7;
-/** The rounding of the energy of one pair, kJ/mol. That of N particles' pairs adds up to about N times as much. */
+/** The rounding of the energy of one pair, kJ/mol. For the pairs of N particles it is about N times as large. */
 static const double PAIR_ROUNDING = 1e-6;
 /**
- * What is lost of a pair where an expression adds a small term to a large one, kJ/mol. That does not average out:
- * without a cutoff most pairs are far apart, and of these it is their dispersion. In two boxes of water, of 5,000 and
- * 12,000 particles, 2e-9 to 1.1e-8 were lost.
+ * The loss per pair where an expression adds a small term to a large one, kJ/mol. It does not average out: without a
+ * cutoff most pairs are far apart and lose their dispersion. In two boxes of water, of 5,000 and 12,000 particles, the
+ * loss was 2e-9 to 1.1e-8.
  */
 static const double PAIR_LOSS = 3e-8;
 /** Beyond this, kJ/mol, single precision may overflow. */
 static const double HUGE_ENERGY = 1e30;
-/** By how much particles are shaken in each direction, nm: far more than rounding, and too little for overlaps. */
+/** The largest random displacement in each direction, nm: much larger than rounding, and too small for overlaps. */
 static const double SHAKE = 1e-3;
 /** The error of a held energy, as a multiple of the error of a recomputed one. */
 static const double KEPT = 4;
-/** Mean force on a particle, kJ/mol/nm, beyond which there are overlaps that hide all else. */
+/** A mean force on particles, kJ/mol/nm, above which overlaps hide all other errors. */
 static const double LARGE_FORCE = 25000;
 
-// The same of the Context that is sampled, whose Platform may compute all in single precision.
+// The same for the Context that is sampled, whose Platform may use single precision for everything.
 
 static const double CONTEXT_ABSOLUTE = 0.5, CONTEXT_RELATIVE = 1e-4;
 static const double CONTEXT_ROUNDING = 1e-6, CONTEXT_HUGE_ENERGY = 1e15;
@@ -61,8 +61,8 @@ public:
 };
 
 /**
- * A Context that evaluates copies of some Forces, each in a group of its own. Particles and virtual sites stand where
- * they are told, so of the System nothing else is needed.
+ * A Context that evaluates copies of some Forces, each in its own group. All positions are set, so the System needs
+ * neither virtual sites nor constraints.
  */
 class NativeEnergyCheck::Copies {
 public:
@@ -99,7 +99,7 @@ private:
     unique_ptr<Context> context;
 };
 
-// ---- What messages say ----
+// ---- Messages ----
 
 static string toText(double energy)
 {
@@ -130,7 +130,7 @@ static void failOfGroup(const EnergyPlan& plan, int group, const vector<int>& fo
     throw OpenMMException("TorsionMonteCarloIntegrator: the Context's energy of force group " + to_string(group) +
                           " is " + toText(ofContext) + ", but by its Forces it is " + toText(energy) +
                           ". Probably one of them was edited after the Context was made, without "
-                          "updateParametersInContext() or in what that does not copy: " +
+                          "updateParametersInContext() or in values that it does not copy: " +
                           list +
                           ". Reinitialize the Context. Otherwise please report this; setNativeEnergies(False) lets "
                           "OpenMM evaluate every Force");
@@ -139,8 +139,8 @@ static void failOfGroup(const EnergyPlan& plan, int group, const vector<int>& fo
 // ---- Comparison ----
 
 /**
- * Get whether two energies are the same within a tolerance. If one of them is infinite or no number, so is the other,
- * or at least huge.
+ * Get whether two energies agree within a tolerance. If one of them is infinite or not a number, the other must be so,
+ * too, or be huge.
  */
 static bool agree(double energy1, double energy2, double tolerance, double hugeEnergy)
 {
@@ -155,7 +155,7 @@ NativeEnergyCheck::NativeEnergyCheck(const ContextImpl& context, const EnergyPla
 }
 
 /**
- * Find the Forces whose energies are of all pairs.
+ * Find the Forces with energies of pairs.
  */
 static set<int> findPairForces(const EnergyTerms& terms)
 {
@@ -184,7 +184,7 @@ static double roundingOfPairs(const EnergyTerms& terms, int force, double gradie
 }
 
 /**
- * Find a Force whose energies are farther apart than usual rounding and an allowance make them; NULL if there is none.
+ * Find a Force whose energies differ by more than usual rounding and an allowance; NULL if there is none.
  */
 const NativeEnergyCheck::Result* NativeEnergyCheck::findDisagreement(const vector<Result>& results,
                                                                      const vector<double>& energies,
@@ -203,7 +203,7 @@ const NativeEnergyCheck::Result* NativeEnergyCheck::findDisagreement(const vecto
 }
 
 /**
- * Get positions near these, at which no distance is that of many pairs.
+ * Get positions near these, at which no two pairs have the same distance.
  */
 static vector<Vec3> shake(vector<Vec3> positions)
 {
@@ -230,9 +230,9 @@ vector<double> NativeEnergyCheck::recompute(const vector<Vec3>& positions) const
 }
 
 /**
- * Find by how much more than usual the energies of Forces may differ at these positions. On a lattice a distance is
- * that of thousands of pairs, to the last bit, so that they are all rounded alike, and do not average out. That is so
- * if energies are as usual near these positions. Then the allowance is the error of a recomputed energy.
+ * Find by how much more than usual the energies of Forces may differ at these positions. On a lattice thousands of
+ * pairs have the same distance, to the last bit, so their rounding errors are equal and do not average out. If energies
+ * agree at positions nearby, this is the reason, and the allowance is the error of a recomputed energy.
  */
 vector<double> NativeEnergyCheck::findAllowances(const vector<Vec3>& positions, const vector<Result>& results) const
 {
@@ -276,8 +276,8 @@ bool NativeEnergyCheck::sayMuch(const vector<Result>& results) const
 }
 
 /**
- * Compare the energy of groups with that of the Context that is sampled. It may compute with other parameters than the
- * Forces have by now.
+ * Compare the energy of groups with the Context that is sampled, which may use other parameters than the Forces have
+ * now.
  */
 void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEnergy& groupEnergy) const
 {
@@ -300,8 +300,7 @@ void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEn
 }
 
 /**
- * Let OpenMM evaluate each native Force. Its Contexts take far more memory than the scene, so each lives only as long
- * as it is needed.
+ * Let OpenMM evaluate each native Force. Its Contexts take much more memory than the scene, so each is deleted at once.
  */
 vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>& positions) const
 {

@@ -10,10 +10,10 @@ using namespace std;
 using Lepton::ExpressionTreeNode;
 using Lepton::Operation;
 
-/** The name of the one function whose powers are such functions, too. */
+/** The name of the exponential function, whose powers are exponentials. */
 static const char EXP[] = "exp";
 
-/** A sum that is multiplied out may not have more terms. */
+/** The largest number of terms of a sum. */
 static const size_t MAX_TERMS = 200;
 
 // ---- Coefficients ----
@@ -32,7 +32,7 @@ static bool isConstant(const ExpressionTreeNode& node, double& value)
 }
 
 /**
- * Compute what does not depend on any name.
+ * Evaluate an expression. Returns false if it depends on a name.
  */
 static bool evaluate(const ExpressionTreeNode& node, double& value)
 {
@@ -88,7 +88,7 @@ static string toText(const ExpressionTreeNode& node)
 // ---- Sums ----
 
 /**
- * Makes sums of one set of variables.
+ * Makes sums for one set of variables.
  */
 class NormalForm::Builder {
 public:
@@ -134,7 +134,7 @@ private:
         });
     }
 
-    // What expressions become
+    // Expressions
 
     Sum buildPower(const ExpressionTreeNode& node) const
     {
@@ -144,7 +144,7 @@ private:
         return raise(build(node.getChildren()[0]), power);
     }
     /**
-     * What is chosen by a step or else is 0 is the product with the step.
+     * select(step, value, 0) is the product of step and value.
      */
     Sum buildSelect(const ExpressionTreeNode& node) const
     {
@@ -225,7 +225,7 @@ private:
                 same->power += factor.power;
         }
 
-        // A power may have become that of 0, or a sum that can be multiplied out.
+        // Remove factors with power 0, and multiply out sums with power 1.
 
         vector<Factor> factors;
         vector<Sum> sums;
@@ -266,7 +266,7 @@ private:
     }
 
     /**
-     * Sort terms and factors, add terms that differ in their coefficients alone, and write it all down.
+     * Sort terms and factors, add terms that differ in their coefficients alone, and write the texts.
      */
     static Sum finish(const vector<Term>& terms)
     {

@@ -6,10 +6,11 @@
 using namespace ChainTreePlugin;
 using namespace std;
 
-/** The numbers of trials to a test, as they are tried. With fewer, a test saves less than it costs. */
+/** The numbers of trials to a test, in the order in which they are tried. With fewer, a test saves less than it
+ *  costs. */
 static const vector<int> TRIALS = {12, 25, 50, 100, 200, 400};
 
-/** The number of tests that are measured with each number of trials. It makes an acceptance known within a tenth. */
+/** The number of measured tests for each number of trials. It gives the acceptance within a tenth. */
 static const int TESTS_PER_ROUND = 20;
 
 static const double LEAST_ACCEPTANCE = 0.5;
@@ -23,7 +24,7 @@ void OuterSchedule::Spread::add(double change)
 
 bool OuterSchedule::Spread::isSmall() const
 {
-    // In equilibrium the way back is the one that is accepted more often. Where a run still goes down it is not.
+    // In equilibrium the opposite changes are accepted more often; while the energy still falls, they are not.
 
     return acceptance > LEAST_ACCEPTANCE && acceptanceBack > LEAST_ACCEPTANCE;
 }
@@ -62,7 +63,7 @@ void OuterSchedule::begin(const vector<int>& energies, int longest)
 }
 
 /**
- * Decide by what was measured with this number of trials.
+ * Choose the next number of trials by the measurements with the present one.
  */
 void OuterSchedule::endRound(int longest)
 {
@@ -79,7 +80,7 @@ void OuterSchedule::endRound(int longest)
 }
 
 /**
- * Decide in each trial about the energies that change too much, or about that which changes most.
+ * Let the energies that change too much, or the one that changes most, decide each trial.
  */
 void OuterSchedule::leaveOutLargest()
 {

@@ -8,7 +8,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Get by how much an energy changes. From one infinity to the other is no change.
+ * Get the change of an energy; 0 if both are the same infinity.
  */
 static double changeOf(double before, double after)
 {
@@ -36,7 +36,7 @@ OuterTest::~OuterTest()
             restore();
     }
     catch (...) {
-        // Another exception is under way. The next step reports what is wrong, or starts from the state as it is.
+        // Another exception is being handled. The next step reports the problem, or starts from the present state.
     }
 }
 

@@ -1,4 +1,4 @@
-/* The calls of TorsionMonteCarloIntegrator that are about energies. */
+/* The methods of TorsionMonteCarloIntegrator about energies. */
 
 #include "openmm/internal/ContextImpl.h"
 #include "openmm/OpenMMException.h"
@@ -26,7 +26,7 @@ void TorsionMonteCarloIntegrator::setNativeEnergies(bool native)
     nativeEnergies = native;
 }
 
-// ---- Outer tests and what makes them needed ----
+// ---- Outer tests and stand-ins ----
 
 int TorsionMonteCarloIntegrator::getTrialsPerOuterTest() const
 {

@@ -34,7 +34,7 @@ Scene::~Scene()
 
 void Scene::copyParameters(const StericExclusionForce& force)
 {
-    // The engine checks parameters when it makes a tree. Before there are positions, it checks them with any.
+    // The engine checks parameters when it makes a tree, for which any positions will do.
 
     SceneDefinition changed(definition);
     changed.parameters = SceneDefinition::Parameters(force);
@@ -71,7 +71,7 @@ void Scene::setTree(Tree created, vector<Vec3> positions)
 }
 
 /**
- * Give a new tree the limits of the present one.
+ * Copy the limits of the present tree to a new one.
  */
 void Scene::copyLimits(ctChainTree* created) const
 {
@@ -149,7 +149,7 @@ void Scene::getState(vector<double>& state)
     copy_n(coordinatesOf(arrangement), 3 * arrangement.size(), state.begin());
     ctGetState(tree.get(), &state[3 * arrangement.size()]);
 
-    // A run that continues has the bits of one that starts from these numbers.
+    // This gives a continued run the same bits as a run that starts from these numbers.
 
     ctRenew(tree.get());
 }

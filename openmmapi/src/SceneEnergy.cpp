@@ -180,7 +180,7 @@ static ctBorn describe(const EnergyTerms::Born& given)
 }
 
 /**
- * Describe terms by arrays of which each keeps what one description points to.
+ * Describe each item by pointers into arrays, which must outlive the descriptions.
  */
 template <class Description, class Arrays, class Given>
 static vector<Description> describeAll(const vector<Given>& given, vector<Arrays>& arrays)
@@ -218,7 +218,7 @@ void SceneEnergy::setTerms(const EnergyTerms& terms)
 }
 
 /**
- * Find which particles are in terms or pairs, and so have to stand in leaves.
+ * Find the particles in terms or pairs, which have to be in leaves.
  */
 vector<uint8_t> SceneEnergy::findListed() const
 {
@@ -269,7 +269,7 @@ SceneEnergy::Handle SceneEnergy::create(ctChainTree* tree, const ctDefinition& s
 }
 
 /**
- * Get the library's energy, which is made for the first call.
+ * Get the library's energy, which is made at the first call.
  */
 ctEnergy* SceneEnergy::require()
 {
@@ -376,7 +376,7 @@ double SceneEnergy::getNearChangeBack()
 
 void SceneEnergy::accept()
 {
-    // If not all parts of the change were computed, this fails, and the next update computes the whole energy.
+    // This fails if not all parts of the change were computed. Then the next update computes the whole energy.
 
     if (energy)
         ctAcceptEnergyChange(energy.get());

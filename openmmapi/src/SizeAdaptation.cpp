@@ -5,8 +5,8 @@
 using namespace ChainTreePlugin;
 using namespace std;
 
-/** The steps of the logarithm of a scale do not become less than this part of the first ones: what is sampled may
- *  change, and the best size with it. At that, scales vary by some 3 %. */
+/** The least step of the logarithm of a scale, relative to the first steps. It is not 0, because the best size may
+ *  change during a run; with this value, scales vary by some 3 %. */
 static const double LEAST_GAIN = 0.1;
 
 double SizeAdaptation::countTrial(bool accepted, double scale)

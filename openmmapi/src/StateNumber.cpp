@@ -37,7 +37,7 @@ double ChainTreePlugin::getNumber(const SerializationNode& node, const string& n
     if (text >> value && text.eof())
         return value;
 
-    // Streams write infinities and NaN, but do not read them. Their names are the same everywhere.
+    // Streams write infinities and NaN, but do not read them. strtod() does, in every locale.
 
     char* end;
     value = strtod(property.c_str(), &end);

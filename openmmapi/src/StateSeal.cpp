@@ -23,8 +23,8 @@ static const char SEAL[] = "seal";
 // ---- The seal of a node ----
 
 /**
- * Write all of a node but its name, which is its parent's business, and its seal. Lengths come in front, so that no two
- * nodes are written alike.
+ * Write a node without its name, which its parent writes, and without its seal. Lengths come in front, so that
+ * different nodes have different texts.
  */
 static void append(string& text, const SerializationNode& node)
 {
@@ -61,11 +61,10 @@ void ChainTreePlugin::checkSeal(const SerializationNode& node)
         fail("its integrator parameters have another checksum");
 }
 
-// ---- What is told from others ----
+// ---- The traits of a Context ----
 
 /**
- * Sums over the bits of many numbers, by which they are told from others; if one number alone differs, by which one it
- * is, and what it was.
+ * Checksums of the bits of many numbers. If a single number differs, they show which one, and its former value.
  */
 class NumberSums {
 public:
@@ -90,7 +89,7 @@ public:
         return sums == other.sums;
     }
     /**
-     * Find the only number that differs from those of other sums. Returns false if there is none, or are several.
+     * Find the only number that differs from the numbers of other sums. Returns false if none or several differ.
      */
     bool findLoneChange(const vector<Vec3>& vectors, const NumberSums& other, size_t& index, double& former) const
     {
@@ -123,14 +122,13 @@ private:
     array<uint64_t, 3> sums = {};
 };
 
-/** By no more than this do numbers change that a platform keeps as two of single precision. */
+/** The largest change of a number that a platform stores as two numbers of single precision. */
 static const double LARGEST_ROUNDING = 1e-10;
 
 /**
- * Check numbers of particles. Returns whether they are the written ones, or those with molecules in other periodic
- * images.
+ * Check numbers of particles. Returns whether they are equal to the written ones, up to periodic images.
  *
- * @param period    by how much coordinates of a periodic image differ in each direction; 0 if images are no excuse
+ * @param period    the shift of a periodic image in each direction; 0 if images are not allowed
  * @param rounding  by how much a number may differ
  */
 static bool checkNumbers(const SerializationNode& node, const string& name, const vector<Vec3>& present,
@@ -148,7 +146,7 @@ static bool checkNumbers(const SerializationNode& node, const string& name, cons
         return true;
     const bool isImage = width > 0 && fabs(change) >= 0.5 * width && fabs(remainder(change, width)) <= 1e-5 * width;
     if (!isImage)
-        fail("of its " + name + " one number alone was changed, that of particle " + to_string(index / 3));
+        fail("a single number of its " + name + " was changed, for particle " + to_string(index / 3));
     return true;
 }
 

@@ -17,7 +17,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** What three decimals of ångström can change a distance by, in nm: sqrt(3) * 1e-4. */
+/** The largest change of a distance by rounding to three decimals of ångström, in nm: sqrt(3) * 1e-4. */
 static const double ROUNDING = 1.74e-4;
 
 static void fail(const string& message)
@@ -142,7 +142,7 @@ bool ChainTreePlugin::hasDynamics(const Integrator& integrator)
 }
 
 /**
- * Get whether an Integrator that is no CompoundIntegrator begins its steps without a word to the Forces.
+ * The same for an Integrator that is no CompoundIntegrator.
  */
 static bool isSilent(const Integrator& integrator)
 {

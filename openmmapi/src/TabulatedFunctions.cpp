@@ -26,7 +26,7 @@ unique_ptr<Lepton::CustomFunction> ChainTreePlugin::createFunction(const Tabulat
 // ---- Copies ----
 
 /**
- * Assign a function to its copy if they are of that class.
+ * Assign a function to its copy if both are of class Table.
  */
 template <class Table>
 static void assignAs(const TabulatedFunction& original, TabulatedFunction& copy)
@@ -65,7 +65,7 @@ static bool translateDiscrete(const TabulatedFunction& function, EnergyTerms::Ta
 // ---- Splines ----
 
 /**
- * Get the points at which a spline has its values, as OpenMM rounds them.
+ * Get the points of a spline, rounded as in OpenMM.
  */
 static vector<double> getPoints(double minimum, double maximum, int size)
 {
@@ -92,7 +92,7 @@ static void fit(const vector<double>& y, EnergyTerms::TableFunction& table)
 }
 
 /**
- * The same of two numbers.
+ * The same for a spline of two numbers.
  */
 static void fit(int sizeX, int sizeY, const vector<double>& values, EnergyTerms::TableFunction& table)
 {

@@ -14,7 +14,7 @@ using namespace std;
 static_assert(TorsionDensity::MaxTorsions == CT_DENSITY_MOST, "the library and the API allow as many torsions");
 
 /**
- * What a density was created by, and what draws it.
+ * The arguments that created a density, and the library's density.
  */
 class TorsionDensity::Contents {
 public:
@@ -99,7 +99,7 @@ TorsionDensity TorsionDensity::fromTable(const vector<int>& numBins, const vecto
     checkBetween(floor, 0, 1, "the floor", "from 0 to 1");
     for (double value : values)
         if (value == 0 && floor == 0)
-            fail("a value is 0, so that torsions there would stay where they are for ever; give the table a floor, the "
+            fail("a value is 0, so that torsions there would never move; give the table a floor, the "
                  "share of draws that are uniform");
     auto contents = make_shared<Contents>();
     contents->numTorsions = numBins.size();
@@ -117,7 +117,7 @@ TorsionDensity TorsionDensity::fromRotamers(const vector<double>& weights, const
     if (weights.empty() || weights.size() > INT_MAX)
         fail("there must be at least one rotamer");
     if (means.size() % weights.size() != 0)
-        fail(to_string(means.size()) + " means are not as many for each of " + to_string(weights.size()) + " rotamers");
+        fail(to_string(means.size()) + " means cannot be divided among " + to_string(weights.size()) + " rotamers");
     const size_t numTorsions = means.size() / weights.size();
     checkNumTorsions(numTorsions);
     if (widths.size() != means.size())
@@ -133,9 +133,8 @@ TorsionDensity TorsionDensity::fromRotamers(const vector<double>& weights, const
     }
     checkBetween(floor, 0, 1, "the floor", "above 0 and at most 1");
     if (floor == 0)
-        fail(
-            "the floor of rotamers must be above 0: between them the density would be 0, and torsions there would stay "
-            "where they are for ever");
+        fail("the floor of rotamers must be above 0: between them the density would be 0, and torsions there would "
+             "never move");
     auto contents = make_shared<Contents>();
     contents->numTorsions = numTorsions;
     contents->isTable = false;
@@ -148,7 +147,7 @@ TorsionDensity TorsionDensity::fromRotamers(const vector<double>& weights, const
     return TorsionDensity(contents);
 }
 
-// ---- What it is ----
+// ---- Access ----
 
 int TorsionDensity::getNumTorsions() const
 {

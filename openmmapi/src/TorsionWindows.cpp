@@ -8,7 +8,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** The least torsions of a branch that has a backbone of its own. */
+/** The least number of torsions of a branch that is a backbone. */
 static const int LEAST_BRANCH = 8;
 
 /**
@@ -85,7 +85,7 @@ vector<int> ChainTreePlugin::findWindowTorsions(const LinkStructure& structure, 
 vector<vector<int>> ChainTreePlugin::findTorsionWindows(const LinkStructure& structure, const vector<int>& pool,
                                                         int size)
 {
-    // The torsion of the pool that comes before each of them.
+    // The torsion of the pool that precedes each link.
 
     const auto& links = structure.getLinks();
     const vector<int>& torsionLinks = structure.getTorsionLinks();

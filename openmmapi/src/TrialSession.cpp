@@ -21,8 +21,8 @@ TrialSession::~TrialSession()
         end();
     }
     catch (...) {
-        // An exception is under way, or a Context that cannot be told positions has said so. Nothing is lost: the force
-        // takes its state from the Context if the two do not agree.
+        // An exception is being handled, or the Context did not accept positions. Nothing is lost: if the two disagree,
+        // the force takes its state from the Context.
     }
 }
 
@@ -46,7 +46,7 @@ void TrialSession::leaveOpen()
 }
 
 /**
- * Bring limits up to date, if they apply. They start from the state before the trial.
+ * Update limits, if they apply. They start from the state before the trial.
  */
 void TrialSession::updateLimits()
 {

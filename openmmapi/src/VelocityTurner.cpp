@@ -13,15 +13,15 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** Accelerations times this, in ps, are about as large as velocities. */
+/** Accelerations times this time, in ps, are about as large as velocities. */
 static const double PUSH_TIME = 1e-3;
 
-/** How exactly accelerations satisfy constraints where numbers are double. */
+/** The tolerance of constraints of accelerations in double precision. */
 static const double PUSH_TOLERANCE = 1e-10;
 
 /**
- * Name the first constraint that a joint turns otherwise than about its own line, and what to do. Returns nothing if
- * there is none.
+ * Describe the first constraint that a joint turns other than about the constraint's own line, and what to do. Returns
+ * an empty text if there is none.
  */
 static string findTurnedConstraint(const System& system, const LinkStructure& structure)
 {
@@ -71,7 +71,7 @@ void VelocityTurner::velocitiesWereSet()
 }
 
 /**
- * Get whether the velocities that there are can be turned. If not, this is an error or a warning.
+ * Get whether velocities can be turned. If not, this throws an exception or warns.
  */
 bool VelocityTurner::canBeTurned()
 {
@@ -118,7 +118,7 @@ static double* numbers(vector<Vec3>& vectors)
 }
 
 /**
- * Turn vectors as velocities are.
+ * Turn vectors like velocities.
  */
 void VelocityTurner::turn(vector<Vec3>& vectors) const
 {
@@ -152,7 +152,7 @@ void VelocityTurner::end(ContextImpl& context, Scene& scene)
 // ---- Between dynamics and trials ----
 
 /**
- * Get the force groups of all Integrators that are not ours.
+ * Get the force groups of all Integrators of dynamics.
  */
 static int findDynamicsGroups(const Integrator& integrator)
 {
@@ -164,8 +164,8 @@ static int findDynamicsGroups(const Integrator& integrator)
 }
 
 /**
- * Compute accelerations that satisfy the constraints, at the positions in the Context. Returns false if there are none.
- * `velocities` must be those in the Context, which stay there.
+ * Compute accelerations that satisfy the constraints, at the positions in the Context. Returns false if they are all 0
+ * or not finite. `velocities` must be the Context's, which are restored at the end.
  */
 bool VelocityTurner::computePush(ContextImpl& context, vector<Vec3>& push)
 {

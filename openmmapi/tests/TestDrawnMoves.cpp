@@ -267,7 +267,7 @@ static void testBadDensities()
     assertTable("the number of bins must be at least 1, but is 0", {3, 0}, {}, 0);
     assertTable("a table has too many bins", {65536, 65536}, {}, 0);
     assertTable("a table of 6 bins has 5 values", {3, 2}, {1, 2, 3, 4, 5}, 0);
-    assertTable("a value is 0, so that torsions there would stay where they are for ever", {2}, {1, 0}, 0);
+    assertTable("a value is 0, so that torsions there would never move", {2}, {1, 0}, 0);
     assertTable("a value must be at least 0, but is -1", {2}, {1, -1}, 0.1);
     assertTable("a value must be at least 0, but is nan", {2}, {1, nan}, 0.1);
     assertTable("the sum of all values must be finite and above 0", {2}, {0, 0}, 0.1);
@@ -281,7 +281,7 @@ static void testBadDensities()
         });
     };
     assertRotamers("there must be at least one rotamer", {}, {}, {}, 0.1);
-    assertRotamers("3 means are not as many for each of 2 rotamers", {1, 1}, {1, 1, 1}, {1, 1, 1}, 0.1);
+    assertRotamers("3 means cannot be divided among 2 rotamers", {1, 1}, {1, 1, 1}, {1, 1, 1}, 0.1);
     assertRotamers("a density must be of 1 to 8 torsions, but is of 0", {1, 1}, {}, {}, 0.1);
     assertRotamers("there are 2 means, but 1 widths", {1, 1}, {1, 1}, {1}, 0.1);
     assertRotamers("a weight must be at least 0, but is -1", {1, -1}, {1, 1}, {1, 1}, 0.1);

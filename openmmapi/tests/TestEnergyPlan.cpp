@@ -205,7 +205,7 @@ void testTwoLevels()
     scene.build();
     EnergyPlan& plan = *scene.plan;
     countChangeableTerms(scene);
-    const string twoLevels = "trials see a stand-in";
+    const string twoLevels = "trials use a stand-in";
     assertEntry(plan, born, EnergyPlan::Native, twoLevels);
     assertEntry(plan, pairs, EnergyPlan::Native, twoLevels);
     assertEntry(plan, morePairs, EnergyPlan::Native, "openmm-chaintree evaluates the pairs that a trial changes");

@@ -183,7 +183,7 @@ static void testAlone(const string& platform)
     const int interval = findInterval(plan[7].reason);
     ASSERT(interval >= 12);
     ASSERT_EQUAL(interval, findInterval(plan[8].reason));
-    ASSERT(says(plan[4].reason, ", every " + to_string(interval) + " trials; trials see a stand-in"));
+    ASSERT(says(plan[4].reason, ", every " + to_string(interval) + " trials; trials use a stand-in"));
     ASSERT(says(plan[7].reason, ": its expression uses the tabulated function same"));
 
     // What changes too much is evaluated in each trial, a whole NonbondedForce too.

@@ -347,8 +347,9 @@ void testEditedForces()
     ASSERT(scene.run());
     scene.copyForces();
     scene.assertFound("the Context's energy of force group 5");
-    scene.assertFound("without updateParametersInContext() or in what that does not copy: force 1 (HarmonicBondForce), "
-                      "force 2 (HarmonicAngleForce)");
+    scene.assertFound(
+        "without updateParametersInContext() or in values that it does not copy: force 1 (HarmonicBondForce), "
+        "force 2 (HarmonicAngleForce)");
     bonds->updateParametersInContext(*scene.context);
     ASSERT(scene.run());
 }

@@ -94,7 +94,7 @@ static void testAutomatic(Platform& platform)
     const string none = "no sampled Force has an energy of pairs of all its particles, so its spheres are hard";
     CoreChain chain;
     checkMode(platform, chain.system, -1, Sampler::Off,
-              "its spheres count for nothing: force 1, NonbondedForce, has an energy of all pairs");
+              "its spheres have no effect: force 1, NonbondedForce, has an energy of all pairs");
     checkMode(platform, chain.system, ~1, Sampler::Hard, none);
     BeadChain bare(LENGTH, 0.2);
     HarmonicBondForce* bond = new HarmonicBondForce();
@@ -115,11 +115,11 @@ static void testAutomatic(Platform& platform)
     checkMode(platform, bare.system, -1, Sampler::Hard, none);
     bare.force->setParticleParameters(0, 0, StericExclusionForce::NoHydrogenBond);
     checkMode(platform, bare.system, -1, Sampler::Off,
-              "its spheres count for nothing: force 2, CustomNonbondedForce, has an energy of all pairs");
+              "its spheres have no effect: force 2, CustomNonbondedForce, has an energy of all pairs");
     bare.force->setParticleParameters(0, 0.2, StericExclusionForce::NoHydrogenBond);
     custom->setInteractionGroupParameters(group, most, {0});
     checkMode(platform, bare.system, -1, Sampler::Off,
-              "its spheres count for nothing: force 2, CustomNonbondedForce, has an energy of all pairs");
+              "its spheres have no effect: force 2, CustomNonbondedForce, has an energy of all pairs");
 }
 
 // ---- The force's energy ----

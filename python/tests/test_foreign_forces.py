@@ -73,7 +73,7 @@ def test_countedEvaluations(villin, height, interval):
     count = 0
     integrator.step(10)
     plan, tests = readPlan(integrator, context), integrator.getOuterStatistics()
-    solvent = "openmm-chaintree evaluates it at each outer test, every 50 trials; trials see a stand-in"
+    solvent = "openmm-chaintree evaluates it at each outer test, every 50 trials; trials use a stand-in"
     assert plan["CustomGBForce"].reason == solvent
     assert tests.attempted == 10
     if interval == 1:

@@ -46,7 +46,7 @@ public:
      * @param means    the mean of each torsion in the first rotamer, then those in the second, and so on, from -pi to
      *                 pi, in radians
      * @param widths   the standard deviations in the same order, above 0 and at most pi, in radians
-     * @param floor    the share of draws of each torsion that are uniform whatever the rotamer, above 0 and at most 1
+     * @param floor    the share of draws of each torsion that are uniform for any rotamer, above 0 and at most 1
      */
     static TorsionDensity fromRotamers(const std::vector<double>& weights, const std::vector<double>& means,
                                        const std::vector<double>& widths, double floor);
@@ -63,14 +63,14 @@ public:
      */
     double getFloor() const;
     /**
-     * Get what fromTable() was given. It is an error if this is a sum of rotamers.
+     * Get the arguments of fromTable(). It is an error if this is a sum of rotamers.
      *
      * @param[out] numBins  the number of bins of each torsion
      * @param[out] values   a number for each bin
      */
     void getTable(std::vector<int>& numBins, std::vector<double>& values) const;
     /**
-     * Get what fromRotamers() was given. It is an error if this is a table.
+     * Get the arguments of fromRotamers(). It is an error if this is a table.
      *
      * @param[out] weights  how often each rotamer is drawn
      * @param[out] means    the mean of each torsion in each rotamer, in radians
@@ -90,7 +90,7 @@ public:
     bool operator==(const TorsionDensity& other) const;
 #ifndef SWIG
     /**
-     * Get what draws and evaluates it. It lives as long as any copy of this does.
+     * Get the library's density, which draws and evaluates. It lives as long as any copy of this object.
      */
     const ctDensity* getEngine() const;
 #endif

@@ -40,10 +40,10 @@ class TrialSession;
  *
  *     pi(x) ~ exp(-U(x)/kT)
  *
- * where U is the energy of the integration force groups without the StericExclusionForce, even if that shares a group
- * with others. This is the steric mode Off: the spheres of that force have no effect. Automatic, the default, means Off
- * if a NonbondedForce or CustomNonbondedForce of these groups holds all particles that have a radius. Otherwise it
- * means Hard:
+ * where U is the energy of the integration force groups without the StericExclusionForce, even if it is in one of these
+ * groups. This is the steric mode Off: the spheres of that force have no effect. Automatic, the default, means Off if a
+ * NonbondedForce or CustomNonbondedForce of these groups holds all particles that have a radius. Otherwise it means
+ * Hard:
  *
  *     pi(x) ~ exp(-U(x)/kT) * 1[no pair of particles overlaps beyond its limit]
  *
@@ -52,14 +52,14 @@ class TrialSession;
  * created; later changes of the System have no effect until it is reinitialized.
  *
  * <b>Soft spheres.</b> After setStericMode(Soft) there are no limits, and no trial is rejected by a clash. Instead, the
- * energy E of the StericExclusionForce is part of the sampled energy, whatever its force group is:
+ * energy E of the StericExclusionForce is part of the sampled energy, for any force group:
  *
  *     pi(x) ~ exp(-(U(x) + E(x))/kT)
  *
  * Dynamics samples this ensemble if the force takes part in it. To alternate Monte Carlo and dynamics in a
- * CompoundIntegrator, use Soft or Off: with Hard each of them would sample a distribution of its own, and their
- * alternation neither. (The dynamics must be at constant temperature, with Soft the group of the force must be among
- * its integration force groups, and trials keep the bond lengths and angles at which dynamics stopped.)
+ * CompoundIntegrator, use Soft or Off: with Hard they would sample different distributions, and their alternation
+ * neither. (The dynamics must be at constant temperature, with Soft the group of the force must be among its
+ * integration force groups, and trials keep the bond lengths and angles at which dynamics stopped.)
  *
  * <b>Early rejection.</b> With Off, a trial is still rejected before its energy is computed if it brings two particles
  * so close that their Lennard-Jones repulsion, less the greatest Coulomb attraction of such a pair, exceeds 60 kT (at
@@ -84,10 +84,10 @@ class TrialSession;
  *   CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce, CustomExternalForce,
  *   CustomNonbondedForce, and generalized Born. A CustomGBForce of another form is evaluated as a whole, in
  *   milliseconds: in each trial that passed the earlier stages, or once in many trials like a foreign Force.
- * - Foreign: all other Forces. OpenMM evaluates each of them alone, whatever its force group, once in many trials (see
- *   below), or in each trial that passed the earlier stages if trials change it too much. GPU platforms evaluate force
- *   groups as a whole; there, foreign Forces that share a group with native ones are copied to an inner Context. Forces
- *   of other plugins cannot be copied, so put them in a group without native ones.
+ * - Foreign: all other Forces. OpenMM evaluates each of them alone, without the rest of its force group, once in many
+ *   trials (see below), or in each trial that passed the earlier stages if trials change it too much. GPU platforms
+ *   evaluate force groups as a whole; there, foreign Forces that share a group with native ones are copied to an inner
+ *   Context. Forces of other plugins cannot be copied, so put them in a group without native ones.
  *
  * A trial passes through stages, cheapest first: bonded terms, near pairs, soft spheres, the other pairs, computed
  * values, foreign Forces. Each stage lets it pass with probability min(1, exp(-dU/kT)), where dU is the change of that
@@ -137,8 +137,8 @@ class TrialSession;
  * <b>Velocities.</b> At the end of a step, the velocities of each rigid link are rotated as the step rotated the link.
  * This keeps the kinetic energy, and constraints within links and along the axes of torsions, so that alternating
  * dynamics and Monte Carlo sample one temperature. If the System has a CMMotionRemover, its momentum is kept as well. A
- * constraint across a ball joint, or across the axis of a torsion, such as that of an angle, is an error beside
- * dynamics. Velocities that are all 0 remain 0, at no cost.
+ * constraint across a ball joint, or across the axis of a torsion, such as the constraint of an angle, is an error
+ * beside dynamics. Velocities that are all 0 remain 0, at no cost.
  *
  * Most integrators keep velocities of half a step before the positions, which depend on the forces there. So when
  * another Integrator of a CompoundIntegrator resumes, velocities are also rotated from the direction of the
@@ -153,57 +153,57 @@ class TrialSession;
  * another Force throws one. The Context then holds the last accepted state (with outer tests, the state after the last
  * test), and the statistics count the trials up to there, but not the step.
  *
- * <b>Threads.</b> One thread at a time uses the data that this plugin holds of a Context; calls of this plugin in other
- * threads wait. Meanwhile, calls of OpenMM that would evaluate or change the Context throw an exception: getState()
- * with energies, setPositions() and loadCheckpoint(), for example. So does a Force that calls this integrator or the
+ * <b>Threads.</b> One thread at a time uses this plugin's data of a Context; calls of this plugin in other threads
+ * wait. Meanwhile, calls of OpenMM that would evaluate or change the Context throw an exception: getState() with
+ * energies, setPositions() and loadCheckpoint(), for example. So does a Force that calls this integrator or the
  * StericExclusionForce about its own Context while it is evaluated.
  *
  * <b>Signals in Python.</b> Ctrl-C, and any signal that has a handler in Python, interrupts a step() of the main thread
  * within a second. The handler runs between two steps, where it may save a checkpoint, and sampling continues if it
  * returns. In a step longer than a second it runs during the step: an unfinished outer test is made at once, so that
- * sampling stays exact, and the step continues if the handler returns. If it raises an exception, as that of Ctrl-C
- * does, the step is not counted, and the caller of step() gets the exception.
+ * sampling stays exact, and the step continues if the handler returns. If it raises an exception, as the handler of
+ * Ctrl-C does, the step is not counted, and the caller of step() gets the exception.
  *
  * <b>Checkpoints and States.</b> With the same random number seed, the same program samples the same trajectory, bit
  * for bit, also if it is interrupted between two steps and resumed from a checkpoint, or from a State with positions
  * and integrator parameters as app.Simulation saves it in Python. Both hold the random number generator, the limits,
  * the statistics of moves and outer tests, the scales of moves, the constants of a stand-in, and the torsion angles and
  * placements from which positions are computed. Making one recomputes the sums of native energies, so the energies of a
- * run with checkpoints can differ in the last bits from those of a run without. Neither holds a trial that the user
- * has proposed through StericExclusionForce, the counts of getStageStatistics(), or the settings of this class
- * (temperature, steric mode, native energies, trials per step, moves, whether their sizes adapt): set these to the same
- * values to get the same bits.
+ * run with checkpoints can differ in the last bits from a run without. Neither holds a trial that the user has proposed
+ * through StericExclusionForce, the counts of getStageStatistics(), or the settings of this class (temperature, steric
+ * mode, native energies, trials per step, moves, whether their sizes adapt): set these to the same values to get the
+ * same bits.
  *
- * Loading a checkpoint is strict. It throws an exception if the checkpoint is of another structure or if its moves are
- * not those of this integrator: their number, kinds, parameters, weights and order must be equal. The exception names
- * the first move that differs. (To continue with other moves, load the checkpoint first and change the moves then.) It
- * also throws if a checksum of OpenMM's part or of this integrator's differs. (A C++ program that writes a checkpoint
- * to a file stream instead of a stringstream gets a checksum of this integrator's part only.) Checkpoints of version 4
- * and before have no checksum, but links and positions must fit each other. OpenMM restores positions, velocities,
- * parameters and time before it calls the Integrator, so after the exception the Context has those of the checkpoint;
- * limits restart from these positions, and everything else is as before.
+ * Loading a checkpoint is strict. It throws an exception if the checkpoint is of another structure or if its moves
+ * differ from the moves of this integrator: their number, kinds, parameters, weights and order must be equal. The
+ * exception names the first move that differs. (To continue with other moves, load the checkpoint first and change the
+ * moves then.) It also throws if the checksum of OpenMM's part or of this integrator's part differs. (A C++ program
+ * that writes a checkpoint to a file stream instead of a stringstream gets a checksum of this integrator's part only.)
+ * Checkpoints of version 4 and before have no checksum, but links and positions must fit each other. OpenMM restores
+ * positions, velocities, parameters and time before it calls the Integrator, so after the exception the Context has
+ * these from the checkpoint; limits restart from these positions, and everything else is as before.
  *
- * Loading a State is not strict. Its random number generator and limits are used whatever the moves are, the statistics
- * and scales only if the moves are the same. If the Context has another structure, or other bits of the positions than
- * at the time of saving (for example because the State was made with enforcePeriodicBox, or holds no positions),
- * sampling continues from the positions of the Context, within rounding. A warning tells if positions, velocities or
- * parameters are not those with which the State was made. A damaged State is refused, and no setting of this integrator
- * changes: damaged means that a checksum of these parameters, the time or the box differs, that a single number of all
- * positions or velocities differs, or that a link has another shape while some particles are where they were. States
- * of version 1 hold only limits, those of version 2 nothing about outer tests, those of version 3 no checksums.
+ * Loading a State is not strict. Its random number generator and limits are always used, the statistics and scales only
+ * if the moves are the same. If the Context has another structure, or other bits of the positions than at the time of
+ * saving (for example because the State was made with enforcePeriodicBox, or holds no positions), sampling continues
+ * from the positions of the Context, within rounding. A warning tells if positions, velocities or parameters differ
+ * from the time of saving. A damaged State is refused, and no setting of this integrator changes: damaged means that a
+ * checksum of these parameters, the time or the box differs, that a single number of all positions or velocities
+ * differs, or that a link has another shape while some particles are where they were. States of version 1 hold only
+ * limits, States of version 2 nothing about outer tests, States of version 3 no checksums.
  *
- * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if the System now holds something that a
- * Force or this integrator refuses, and leaves an incomplete Context. The integrator then keeps what the Context held
- * before: positions, velocities, box, parameters, time and the state of sampling. Correct what the exception named and
- * call reinitialize(true): sampling continues, bit for bit, as if nothing had been refused. Positions and velocities
- * that are set in between replace the saved ones, and such positions restart limits. createCheckpoint() writes the
- * saved state. Every other call that needs the state of sampling throws an exception until then. The positions that
- * such a Context reports are the saved ones if this integrator refused, otherwise whatever OpenMM has left there.
+ * <b>A refused reinitialize().</b> Context::reinitialize() throws an exception if a Force or this integrator does not
+ * accept the changed System, and leaves an incomplete Context. The integrator then keeps the Context's positions,
+ * velocities, box, parameters, time and state of sampling. Correct what the exception named and call
+ * reinitialize(true): sampling continues, bit for bit, as if there had been no exception. Positions and velocities that
+ * are set in between replace the saved ones, and such positions restart limits. createCheckpoint() writes the saved
+ * state. Every other call that needs the state of sampling throws an exception until then. Such a Context reports the
+ * saved positions if this integrator threw the exception, and undefined ones otherwise.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionMonteCarloIntegrator : public OpenMM::Integrator {
 public:
     /**
-     * What to do about pairs that clash when sampling starts.
+     * How pairs that clash when sampling starts are treated.
      */
     enum InitialClashPolicy {
         /**
@@ -292,7 +292,7 @@ public:
         Foreign = 3
     };
     /**
-     * What getEnergyPlan() tells about a Force.
+     * An entry of getEnergyPlan().
      */
     struct PlannedEnergy {
         /** The index of the Force in the System. */
@@ -305,7 +305,7 @@ public:
         std::string reason;
     };
     /**
-     * What getStageStatistics() tells about a part of U.
+     * An entry of getStageStatistics().
      */
     struct StageStatistics {
         /** The name of the part, for people to read. */
@@ -355,11 +355,11 @@ public:
      */
     void setTrialsPerStep(int trials);
     /**
-     * Get what is done about pairs that clash when sampling starts. The default is Tolerate.
+     * Get how pairs that clash when sampling starts are treated. The default is Tolerate.
      */
     InitialClashPolicy getInitialClashPolicy() const;
     /**
-     * Set what is done about pairs that clash when sampling starts.
+     * Set how pairs that clash when sampling starts are treated.
      *
      * @param policy  Tolerate or Refuse
      */
@@ -374,8 +374,8 @@ public:
      * policy plays no part. With Off the force has neither energy nor forces in the Context, also for other
      * integrators of a CompoundIntegrator.
      *
-     * The mode may change between two steps. Hard steps that follow others start limits again, from the clashes that
-     * there are then.
+     * The mode may change between two steps. Hard steps after steps of other modes restart limits from the present
+     * clashes.
      *
      * @param mode  Automatic, Off, Hard or Soft
      */
@@ -400,7 +400,7 @@ public:
      * trial without a clash, and decides it by the sum of all Forces; the same distribution is sampled. This may change
      * between two steps.
      *
-     * @param native  whether the library evaluates what it can
+     * @param native  whether the library evaluates native Forces
      */
     void setNativeEnergies(bool native);
     /**
@@ -495,7 +495,7 @@ public:
     double getPotentialEnergy(OpenMM::Context& context) const;
     /**
      * Get how many trials each part of U has rejected, since the Context was created or resetMoveStatistics() was
-     * called. Parts that had nothing to decide have counts of 0.
+     * called. Parts that decided no trial have counts of 0.
      */
     std::vector<StageStatistics> getStageStatistics() const;
     /**
@@ -540,14 +540,14 @@ public:
      * A <i>window</i> is a row of eight torsions of the list (nine or seven where eight cannot be) along a chain, each
      * of which moves the next. Six of them, the pivots, close it: three pairs of neighbours, the two bonds of a pair
      * sharing a particle, such as phi and psi of a residue. The others, the drivers, are drawn: the first and the last
-     * where this can be. What lies between two torsions of a window, and what branches off there, moves as a rigid
-     * body, whatever its shape. Torsions of the chain that are not in the list stay as they are.
+     * where this can be. The part of the chain between two torsions of a window, with its branches, moves as a rigid
+     * body of any shape. Torsions of the chain that are not in the list do not turn.
      *
      * A trial draws a window, adds angles drawn uniformly from -maxAngle to maxAngle to its drivers, and turns the
-     * pivots so that the window closes: mostly to the solution that Newton's method finds from where they are, and in a
-     * share `hop` of the trials to one of all solutions, near ones preferred. The ratio holds the Jacobians of both
-     * states and the weights of the solutions, and a trial that the same method would not reverse is rejected, so that
-     * without energy and spheres torsions are sampled uniformly. Trials that do not close count as attempted only.
+     * pivots so that the window closes: mostly to the solution that Newton's method finds from the present angles, and
+     * in a share `hop` of the trials to one of all solutions, near ones preferred. The ratio holds the Jacobians of
+     * both states and the weights of the solutions, and a trial that the same method would not reverse is rejected, so
+     * that without energy and spheres torsions are sampled uniformly. Trials that do not close count as attempted only.
      *
      * Torsions in rings of closures (StericExclusionForce::addClosure()) turn by this move only. A window keeps the two
      * particles of a closure in place, or moves them as one piece. In a ring, windows also lead over the closure and
@@ -562,9 +562,9 @@ public:
      *
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
-     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty,
-     *                  those of all backbones, as addLocalMove() has them, and those in rings of closures. In Python
-     *                  None means these, and an empty list is an error.
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, the
+     *                  torsions of all backbones, as in addLocalMove(), and of rings of closures. In Python None means
+     *                  these, and an empty list is an error.
      * @param hop       the share of trials that choose among all solutions, from 0 to 1
      * @return the index of the move that was added
      */
@@ -590,10 +590,10 @@ public:
      *                   in radians
      * @param stiffness  how rare it is that the ends are shifted, at least 0, in nm^-2: the standard deviation of a
      *                   change that shifts the ends by r for each radian is sigma/sqrt(1 + stiffness*r^2)
-     * @param torsions   the indices of the torsions of the StericExclusionForce that windows consist of; if empty,
-     *                   those of all backbones: of the way from the root of a molecule along which torsions move most
-     *                   particles, and of branches with at least 8 torsions. In Python None means these, and an empty
-     *                   list is an error.
+     * @param torsions   the indices of the torsions of the StericExclusionForce that windows consist of; if empty, the
+     *                   torsions of all backbones: of the path from the root of a molecule along which torsions move
+     *                   most particles, and of branches with at least 8 torsions. In Python None means these, and an
+     *                   empty list is an error.
      * @param window     the number of torsions of a window, from 1 to 32
      * @return the index of the move that was added
      */
@@ -605,11 +605,11 @@ public:
      * With p the density of the set, q its present values and q' the drawn ones, it is accepted with
      * min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that the sampled distribution does not depend on the density.
      *
-     * A good density is one that U agrees with: that of rotamers for side chains, or that of coil residues for phi and
-     * psi. In Python rotamerDensities() and ramachandranDensities() find sets and densities in a Topology.
+     * A good density is one that U agrees with, such as the density of rotamers for side chains, or of coil residues
+     * for phi and psi. In Python rotamerDensities() and ramachandranDensities() find sets and densities in a Topology.
      *
-     * The values of the torsions are those of their four particles (see StericExclusionForce::addTorsion()). If one has
-     * none, because three of these are collinear, the trial that would draw it is an error.
+     * The value of a torsion is defined in StericExclusionForce::addTorsion(). If a torsion has none, because three of
+     * its particles are collinear, the trial that would draw it is an error.
      *
      * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
      * @param torsions   the sets, each of different torsions of the StericExclusionForce, by their indices. Different
@@ -673,7 +673,7 @@ public:
      */
     MoveType getMoveType(int move) const;
     /**
-     * Get a line about a move for people to read: what moves and how far, its weight, and what it chooses from.
+     * Get a line that describes a move: what moves and how far, its weight, and its choices.
      *
      * @param move  the index of the move
      */
@@ -707,8 +707,8 @@ public:
      * @param move           the index of the move
      * @param[out] weight    how often this move is drawn, relative to the weights of the others
      * @param[out] maxAngle  the largest angle of a driver, in radians
-     * @param[out] torsions  the indices of the torsions that windows may turn; empty (in Python None) if they are
-     *                       those of backbones and of rings
+     * @param[out] torsions  the indices of the torsions that windows may turn; empty (in Python None) for the torsions
+     *                       of backbones and of rings
      * @param[out] hop       the share of trials that choose among all solutions
      */
     void getClosedMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& torsions,
@@ -720,8 +720,8 @@ public:
      * @param[out] weight     how often this move is drawn, relative to the weights of the others
      * @param[out] sigma      the standard deviation of the change of a torsion that shifts no end, in radians
      * @param[out] stiffness  how rare it is that the ends are shifted, in nm^-2
-     * @param[out] torsions   the indices of the torsions that windows consist of; empty (in Python None) if they are
-     *                        those of all backbones
+     * @param[out] torsions   the indices of the torsions that windows consist of; empty (in Python None) for the
+     *                        torsions of all backbones
      * @param[out] window     the number of torsions of a window
      */
     void getLocalMoveParameters(int move, double& weight, double& sigma, double& stiffness, std::vector<int>& torsions,
@@ -793,9 +793,9 @@ public:
      * @param move      the index of the move
      * @param weight    how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxAngle  the largest angle of a driver, from 0 to pi, in radians
-     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty,
-     *                  those of all backbones and those in rings of closures. In Python None means these, and an
-     *                  empty list is an error.
+     * @param torsions  the indices of the torsions of the StericExclusionForce that windows may turn; if empty, the
+     *                  torsions of all backbones and of rings of closures. In Python None means these, and an empty
+     *                  list is an error.
      * @param hop       the share of trials that choose among all solutions, from 0 to 1
      */
     void setClosedMoveParameters(int move, double weight, double maxAngle,
@@ -809,8 +809,8 @@ public:
      * @param sigma      the standard deviation of the change of a torsion that shifts no end, above 0 and at most pi,
      *                   in radians
      * @param stiffness  how rare it is that the ends are shifted, at least 0, in nm^-2
-     * @param torsions   the indices of the torsions that windows consist of; if empty, those of all backbones. In
-     *                   Python None means these, and an empty list is an error.
+     * @param torsions   the indices of the torsions that windows consist of; if empty, the torsions of all backbones.
+     *                   In Python None means these, and an empty list is an error.
      * @param window     the number of torsions of a window, from 1 to 32
      */
     void setLocalMoveParameters(int move, double weight, double sigma, double stiffness,
@@ -863,8 +863,8 @@ public:
      * resetMoveStatistics() was called. Trials that an outer test has undone do not count.
      *
      * @param move                    the index of the move
-     * @param[out] attempted          the number of trials: the sum of the other three, and of impossible trials, such
-     *                                as those of a window that does not close or that has no reverse
+     * @param[out] attempted          the number of trials: the sum of the other three, and of impossible trials, for
+     *                                example of a window that does not close or that has no reverse
      * @param[out] clashed            the number of trials rejected because a pair overlapped beyond its limit
      * @param[out] rejectedByEnergy   the number of trials without a clash rejected by U or by the density of the
      *                                reverse move, or because U was not a number
@@ -873,7 +873,7 @@ public:
     void getMoveStatistics(int move, long long& attempted, long long& clashed, long long& rejectedByEnergy,
                            long long& accepted) const;
     /**
-     * Set the counts of all moves to 0, and those of getStageStatistics() and getOuterStatistics(), too.
+     * Set the counts of all moves, of getStageStatistics() and of getOuterStatistics() to 0.
      */
     void resetMoveStatistics();
     /**
@@ -886,8 +886,8 @@ public:
      *
      * The parameters of a move are its largest sizes. Each move has a scale, at most 1, by which they are multiplied;
      * after every 100 trials of the move it decreases if too few trials were accepted, and increases if too many were.
-     * So add moves with sizes that are rather too large. An impossible trial counts as not accepted, and a trial that
-     * an outer test undoes counts as it was decided before. Moves without a size do not adapt.
+     * So add moves whose sizes are too large rather than too small. An impossible trial counts as not accepted, and a
+     * trial that an outer test undoes counts as it was decided before. Moves without a size do not adapt.
      *
      * After setAdaptMoveSizes(false), each move keeps the scale that getMoveScale() returns. The counts of
      * getMoveStatistics(), getStageStatistics() and getOuterStatistics() restart from 0 both when adaptation begins and
@@ -928,7 +928,7 @@ public:
      */
     void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
     /**
-     * Turn all torsions to given values, clashing or not. The same as
+     * Turn all torsions to given values, even if this makes clashes. The same as
      * StericExclusionForce::setTorsionAngles().
      *
      * @param context  the Context that this integrator is bound to
@@ -937,8 +937,8 @@ public:
     void setTorsionAngles(OpenMM::Context& context, const std::vector<double>& angles) const;
     /**
      * Throw an exception if the Context has velocities that cannot turn with links, and name the constraint that
-     * forbids it. Beside dynamics no such Context can be made. Otherwise steps do not change such velocities, and warn;
-     * call this before dynamics in another Context continues from them.
+     * prevents it. Beside dynamics no such Context can be created. Otherwise steps do not change such velocities, and
+     * warn; call this before dynamics in another Context continues from them.
      *
      * @param context  the Context that this integrator is bound to
      */
@@ -970,8 +970,7 @@ protected:
      */
     int addMove(std::unique_ptr<MonteCarloMove> move, double weight);
     /**
-     * Get the stages by which trials without a clash are decided. They exist while the integrator is bound to a
-     * Context.
+     * Get the stages that decide trials without a clash. They exist while the integrator is bound to a Context.
      */
     EnergyStages& getEnergyStages()
     {
@@ -1004,24 +1003,25 @@ private:
     int trialsPerOuterTest;
     double standInBornCutoff, standInPairCutoff, standInGridWidth;
     std::unique_ptr<OuterStatistics> outerStatistics;
-    /** What a Context held whose reinitialize() has begun and not succeeded yet, else NULL. */
+    /** The state of a Context whose reinitialize() has not succeeded yet, else NULL. */
     std::unique_ptr<KeptState> kept;
-    /** That of the Context, if there is one. */
+    /** The Context's lock, if there is a Context. */
     std::shared_ptr<ContextLock> lock;
-    /** What trials took in the last steps, for the watch for signals alone. */
+    /** The time per trial in the last steps, for the watch for signals. */
     double secondsPerTrial;
-    // What follows exists only while the integrator is bound to a Context.
+    // The rest exists only while the integrator is bound to a Context.
     StericExclusionForceImpl* force;
     /** Expires when the force does: before cleanup() if a Context ends, after it if it is reinitialized. */
     std::weak_ptr<const void> forceLife;
     bool contextHasEnded = false;
-    /** Whether another kind of Integrator is in the Context; what the user was warned of, and looked at for that. */
+    /** Whether another kind of Integrator is in the Context; whether the user was warned of hard spheres; and whether
+     *  constraints were checked. */
     bool isBesideDynamics, hasWarnedOfHardSpheres, constraintsAreChecked;
     std::unique_ptr<NativeEnergy> native;
     std::unique_ptr<EnergyStages> stages;
     std::unique_ptr<RandomNumberGenerator> random;
     OpenMM::Kernel kernel;
-    /** The positions that a checkpoint has restored, until the Context tells of them; else empty. */
+    /** The positions that a checkpoint has restored, until the Context reports them; else empty. */
     std::vector<OpenMM::Vec3> restoredPositions;
 };
 

@@ -18,9 +18,9 @@ using namespace std;
 
 MOVE_PARAMETERS(ClosedMove, CLOSED_MOVE)
 
-/** A way back has led back if no torsion is farther from where it was, in radians: some 1e-7 nm. */
+/** The reverse move has restored a torsion if it differs by at most this, in radians: some 1e-7 nm. */
 static const double RETURN_TOLERANCE = 1e-6;
-/** Of two solutions the one nearer to the state is preferred; those within this many radians are all near. */
+/** Solutions near the state are preferred; within this distance, in radians, all are about equally likely. */
 static const double NEARNESS = 0.35;
 
 namespace {
@@ -28,8 +28,7 @@ namespace {
 typedef double Solutions[CT_CLOSURES_MOST][CT_PIVOTS];
 
 /**
- * Turns consecutive torsions so that the chain behind them stays in place. See
- * TorsionMonteCarloIntegrator::addClosedMove().
+ * Turns consecutive torsions without moving the chain behind them. See TorsionMonteCarloIntegrator::addClosedMove().
  */
 class ClosedMove : public DeclaredMove<ClosedMoveParameters> {
 public:
@@ -43,11 +42,11 @@ private:
     bool drawSolution(RandomNumberGenerator& random);
     bool leadsBack(const ctWindow& turned, double& logWeights) const;
     unique_ptr<ClosedWindows> windows;
-    /** The window of the trial, as it lies before it; its turns; and whether it chose among all solutions. */
+    /** The window of the trial before it, its turns, and whether the trial chose among all solutions. */
     ctWindow window;
     double angles[CT_WINDOW_MOST];
     bool isHop;
-    /** The logarithm of the sum of the weights of all solutions, of a hop. */
+    /** Of a hop: the logarithm of the sum of the weights of all solutions. */
     double logWeights;
     vector<Vec3> positions;
 };
@@ -55,7 +54,7 @@ private:
 } // namespace
 
 /**
- * Add the torsions in rings of closures that a pool does not have. Only closed moves turn these.
+ * Add the torsions in rings of closures that a pool lacks. Only closed moves turn them.
  */
 static void addRings(const LinkStructure& structure, vector<int>& pool)
 {
@@ -84,7 +83,7 @@ void ClosedMove::bind(const LinkStructure& structure, const string& name)
 }
 
 /**
- * Get where the axes of a window lie.
+ * Get the axes of a window in space.
  */
 void ClosedMove::lookAt(const TrialSession& trials, const ClosedWindows::Window& drawn,
                         const ClosedWindows::Pivots& pivots)
@@ -101,14 +100,14 @@ void ClosedMove::lookAt(const TrialSession& trials, const ClosedWindows::Window&
         }
     }
 
-    // The axes of a pair of pivots meet at the end of the first, which is the beginning of the second.
+    // The axes of a pair of pivots meet at the end of the first and the beginning of the second.
 
     for (int i = 1; i < CT_PIVOTS; i += 2)
         copy_n(window.points[pivots[i - 1]], 3, window.points[pivots[i]]);
 }
 
 /**
- * Get the weight of a solution by how far it is from the state. From one to the other it is the same as back.
+ * Get the weight of a solution by its distance from the state. The reverse has the same weight.
  */
 static double computeWeight(const double* turns)
 {
@@ -167,7 +166,7 @@ bool ClosedMove::draw(const TrialSession& trials, RandomNumberGenerator& random,
 }
 
 /**
- * Get whether turns of the pivots undo those of the trial.
+ * Get whether turns of the pivots undo the trial's turns.
  */
 static bool undo(const ctWindow& window, const double* angles, const double* pivotTurns)
 {
@@ -178,10 +177,10 @@ static bool undo(const ctWindow& window, const double* angles, const double* piv
 }
 
 /**
- * Get whether the same way, with the drivers turned back, can lead to where the trial began.
+ * Get whether the same method, with the drivers turned back, can reverse the trial.
  *
  * @param turned            the window after the trial
- * @param[out] logWeights   the logarithm of the sum of the weights of all solutions there, of a hop
+ * @param[out] logWeights   of a hop: the logarithm of the sum of the weights of all solutions there
  */
 bool ClosedMove::leadsBack(const ctWindow& turned, double& logWeights) const
 {
@@ -218,7 +217,7 @@ double ClosedMove::computeLogRatio(TrialSession&)
     if (!leadsBack(turned, logWeightsBack))
         return -numeric_limits<double>::infinity();
     const double ratio = ctComputeLogJacobian(&window) - ctComputeLogJacobian(&turned);
-    if (!isfinite(ratio)) // A state whose pivots lie on a line is neither left nor entered.
+    if (!isfinite(ratio)) // No trial leaves or enters a state whose pivots lie on a line.
         return -numeric_limits<double>::infinity();
     return isHop ? ratio + logWeights - logWeightsBack : ratio;
 }

@@ -15,7 +15,7 @@ using namespace std;
 
 MOVE_PARAMETERS(CrankshaftMove, CRANKSHAFT_MOVE)
 
-/** In nm. No trial changes the length of a line, so a window with a shorter one is never turned. */
+/** In nm. A window with a shorter line is never turned. No trial changes the length, so this keeps detailed balance. */
 static const double SHORTEST_LINE = 1e-6;
 
 namespace {
@@ -31,13 +31,13 @@ public:
     bool draw(const TrialSession& trials, RandomNumberGenerator& random, Proposal& proposal);
 
 private:
-    /** The last ball joint of windows, and how many windows end there. */
+    /** A ball joint at the end of windows, and the number of windows that end there. */
     class End {
     public:
         int ballJoint, numWindows;
     };
     vector<End> ends;
-    /** For each ball joint the next one towards the root that may turn, or -1; and the particle it turns about. */
+    /** For each ball joint the next one towards the root that may turn, or -1; and its particle. */
     vector<int> next, particles;
     /** The particles at the ends of the line, and their positions. The first is nearer to the root. */
     vector<int> axis = vector<int>(2);

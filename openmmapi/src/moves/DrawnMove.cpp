@@ -20,7 +20,7 @@ public:
     typedef vector<vector<int>> Type;
     Sets(const string& name, const Type& sets, const string& text) : MoveParameter(name, vector<int>(), text)
     {
-        // How many torsions a set has follows from its density.
+        // The density gives the number of torsions of each set.
 
         auto& all = get<vector<int>>(value);
         for (auto& set : sets)
@@ -72,7 +72,7 @@ private:
     /** The set of the open trial, the former values of its torsions, and the drawn values. */
     int drawnSet;
     vector<double> former, drawn;
-    /** The density of a set, how many random numbers it takes, where it was evaluated last, and what it was there. */
+    /** The density of a set, its number of random numbers, and its last evaluation. */
     class SetDensity {
     public:
         const ctDensity* engine;
@@ -91,7 +91,7 @@ static void fail(const string& message)
 }
 
 /**
- * Get what a message calls a set of torsions.
+ * Get the name of a set of torsions for messages.
  */
 static string nameOf(size_t set)
 {
@@ -165,7 +165,7 @@ Densities::Densities(const string& name, const Type& densities, const string& te
 }
 
 /**
- * Get the density of each set, also if all have one.
+ * Get the density of each set, even if all share one.
  */
 vector<TorsionDensity> DrawnMove::listDensities() const
 {
@@ -288,7 +288,7 @@ bool DrawnMove::draw(const TrialSession& trials, RandomNumberGenerator& random, 
 }
 
 /**
- * Get the density of the former values. Most trials are rejected, so these are often the same as before.
+ * Get the density of the former values. Most trials are rejected, so these often have not changed since the last call.
  */
 double DrawnMove::evaluateFormer()
 {

@@ -33,11 +33,11 @@ public:
     double computeLogRatio(TrialSession& trials);
 
 private:
-    /** A window, and where its axes and ends are found. */
+    /** A window, and the particles of its axes and ends. */
     class Choice {
     public:
         vector<int> torsions;
-        /** The particles of all axes, each once, in the order of the chain, and the one behind the last. */
+        /** The particles of all axes, each once, in the order of the chain, and the next one. */
         vector<int> particles;
         WindowAxes axes;
     };
@@ -111,7 +111,7 @@ bool LocalMove::draw(const TrialSession& trials, RandomNumberGenerator& random, 
 
 double LocalMove::computeLogRatio(TrialSession&)
 {
-    // The step back is as long, but drawn from the distribution of where this one leads.
+    // The reverse step has the same length, but is drawn from the distribution at the proposed state.
 
     ctLocalWindow after;
     ctLocalSteps stepsBack;

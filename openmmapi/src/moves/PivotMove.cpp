@@ -14,7 +14,7 @@ MOVE_PARAMETERS(PivotMove, PIVOT_MOVE)
 namespace {
 
 /**
- * Turns all that hangs by a ball joint. See TorsionMonteCarloIntegrator::addPivotMove().
+ * Turns one ball joint. See TorsionMonteCarloIntegrator::addPivotMove().
  */
 class PivotMove : public DeclaredMove<PivotMoveParameters> {
 public:

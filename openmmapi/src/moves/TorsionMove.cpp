@@ -49,7 +49,7 @@ void TorsionMove::bind(const LinkStructure& structure, const string& name)
 
 bool TorsionMove::draw(const TrialSession&, RandomNumberGenerator& random, Proposal& proposal)
 {
-    // Floyd's algorithm: every set of `count` choices is equally likely, and nothing is remembered between trials.
+    // Floyd's algorithm: every set of `count` choices is equally likely, independent of earlier trials.
 
     for (int i = 0; i < count; i++) {
         int last = choices.size() - count + i;

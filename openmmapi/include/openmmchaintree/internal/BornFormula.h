@@ -6,7 +6,8 @@
 namespace ChainTreePlugin {
 
 /**
- * What ctBorn computes, one particle or pair at a time in double: to compare a Force with what it was translated to.
+ * Computes the formulas of ctBorn for one particle or pair in double precision, to compare a Force with its
+ * translation.
  */
 class BornFormula {
 public:
@@ -14,12 +15,12 @@ public:
     {
     }
     /**
-     * Get what particle j adds to the Born sum of particle i at a distance.
+     * Get the contribution of particle j to the Born sum of particle i at a distance.
      */
     double computePairSum(int i, int j, double distance) const;
     double computeRadius(int i, double sum) const;
     /**
-     * Get the energy of a particle that has this Born radius, that of its surface among it.
+     * Get the energy of a particle that has this Born radius, surface energy included.
      */
     double computeSelfEnergy(int i, double radius) const;
     double computePairEnergy(int i, int j, double distance, double radius1, double radius2) const;

@@ -26,9 +26,10 @@ public:
 /**
  * Reads a CustomGBForce that is a generalized Born model of ctBorn, however it is written.
  *
- * Its expressions are brought to a normal form, and so are those of the models, in which names stand for what differs
- * between them. If the shapes are the same, the coefficients tell what each name is. Coefficients that the model
- * determines have to be what it says, for all particles. At last both are evaluated for particles at random.
+ * The expressions of the Force and of the models are brought to a normal form. The models' expressions have names for
+ * the coefficients that a Force may choose. If the shapes agree, the coefficients give the value of each name. The
+ * other coefficients must have the model's values for all particles. Finally the Force and the model are evaluated and
+ * compared for random particles.
  */
 class BornReader {
 public:
@@ -37,7 +38,7 @@ public:
     {
     }
     /**
-     * Get what the Force is. This throws an exception, whose text is one clause, if it is something else.
+     * Get the model. Throws an exception, whose text is one clause, if the Force is none of the models.
      *
      * @param index  the index of the Force in its System
      */

@@ -14,8 +14,8 @@
 namespace ChainTreePlugin {
 
 /**
- * This class writes to a checkpoint: values as they are in memory, vectors of them with their length in front. It
- * throws an OpenMMException if the stream does not take them.
+ * Writes to a checkpoint: values as they are in memory, vectors with their length in front. Throws an OpenMMException
+ * if the stream fails.
  */
 class CheckpointWriter {
 public:
@@ -67,8 +67,8 @@ private:
 };
 
 /**
- * This class reads from a checkpoint what a CheckpointWriter has written. It throws an OpenMMException if the stream
- * ends before, or if what was sealed has changed.
+ * Reads the output of a CheckpointWriter. Throws an OpenMMException if the stream ends too early, or if sealed bytes
+ * have changed.
  */
 class CheckpointReader {
 public:
@@ -93,7 +93,7 @@ public:
         return readMany<std::string>(read<uint64_t>());
     }
     /**
-     * Read what writeSealed() wrote.
+     * Read the result of writeSealed().
      */
     std::string readSealed()
     {
@@ -112,8 +112,7 @@ private:
             throw OpenMM::OpenMMException("loadCheckpoint: the checkpoint is incomplete");
     }
     /**
-     * Read values one after another. A length from a damaged file must not decide how much memory to ask for, so they
-     * are read some at a time.
+     * Read values in chunks, so that a damaged length does not cause a huge allocation.
      */
     template <class Values>
     Values readMany(uint64_t length)

@@ -10,11 +10,11 @@
 namespace ChainTreePlugin {
 
 /**
- * The windows of closed moves: rows of torsions, each of which moves the next, that can turn so that all behind them
- * stays where it is. What each closure keeps together is left as it is, or moves as one piece.
+ * The windows of closed moves: rows of torsions, each of which moves the next, that can turn without moving the rest of
+ * the chain. Links that a closure keeps together do not move, or move as one piece.
  *
- * In a ring of a closure a row may lead over that, and over the link on which the ring hangs. The rest of the ring then
- * moves as one piece, and with it what hangs on it.
+ * In the ring of a closure a row may cross the closure and the link on which the ring hangs. The rest of the ring, and
+ * everything that hangs on it, then moves as one piece.
  */
 class OPENMM_EXPORT_CHAINTREE ClosedWindows {
 public:
@@ -31,11 +31,11 @@ public:
         int choices;
     };
     /**
-     * Find all windows. For each torsion there is the one of eight torsions that ends with it, if its first and its
-     * last torsion can be drivers: such windows shift least of what they turn, and are accepted twice as often as
-     * others. In rings of closures one ends with each torsion, too, if it leads over the closure or over the link on
-     * which the ring hangs. What these leave out is turned by windows of nine, eight or seven torsions with any pivots.
-     * There may be none at all.
+     * Find all windows; there may be none. For each torsion there is the window of eight torsions that ends with it, if
+     * its first and last torsions can be drivers: such windows move the least, and are accepted twice as often as
+     * others. The same holds for each torsion in the ring of a closure, if the window crosses the closure or the link
+     * on which the ring hangs. Torsions in none of these windows are turned by windows of nine, eight or seven torsions
+     * with any pivots.
      *
      * @param structure  the links of the molecules
      * @param torsions   the torsions that windows may have
@@ -58,7 +58,7 @@ private:
     bool addWindow(const LinkStructure& structure, const std::vector<WindowStep>& row, size_t size, bool endsAreFree,
                    bool isRing);
     std::vector<Window> windows;
-    /** Lists of choices, and what they belong to: what findChoices() was given. */
+    /** Lists of choices, and the arguments of findChoices() for each. */
     std::vector<std::vector<Pivots>> choices;
     std::vector<std::array<int, 3>> choicesOf;
 };

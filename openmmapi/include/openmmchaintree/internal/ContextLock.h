@@ -10,15 +10,15 @@
 namespace ChainTreePlugin {
 
 /**
- * This keeps what this plugin holds of a Context to one thread at a time. Another thread waits. It is refused by an
- * exception if the first one may in turn wait for it, as for Python's lock, or if OpenMM itself is at work there in the
- * midst of a call of the user: what it has done before it asked for this lock would not be undone by waiting.
+ * Lets one thread at a time use the plugin's data of a Context. Another thread waits. It gets an exception instead if
+ * the first thread may in turn wait for it, as for Python's lock, or if it is OpenMM's during a call of the user:
+ * waiting would not undo the changes that OpenMM has already made.
  */
 class OPENMM_EXPORT_CHAINTREE ContextLock {
 public:
     enum Caller {
         /**
-         * A call of the user. It is refused within another one: there the state may be in the midst of a trial.
+         * A call of the user. It is refused within another one, where a trial may be open.
          */
         User,
         /**
@@ -32,8 +32,8 @@ public:
     void take(Caller caller);
     void release();
     /**
-     * Let threads that work for OpenMM pass helperMayPass() while this thread holds the lock. Returns what held
-     * before.
+     * Set whether helperMayPass() lets threads of OpenMM pass while this thread holds the lock. Returns the former
+     * value.
      */
     bool admitHelpers(bool admit);
     bool helperMayPass();

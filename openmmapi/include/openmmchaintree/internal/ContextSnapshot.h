@@ -11,7 +11,7 @@
 namespace ChainTreePlugin {
 
 /**
- * This class holds what a Context tells about itself: positions, velocities, the box, parameters and time.
+ * The positions, velocities, box, parameters and time of a Context.
  */
 class ContextSnapshot {
 public:
@@ -19,11 +19,11 @@ public:
      * Take a snapshot of a Context.
      *
      * @param context          the Context
-     * @param positionsAreSet  whether the Context has positions. If not, restore() will leave positions alone.
+     * @param positionsAreSet  whether the Context has positions. If not, restore() does not set positions.
      */
     ContextSnapshot(const OpenMM::Context& context, bool positionsAreSet);
     /**
-     * Read what write() wrote.
+     * Read the result of write().
      */
     explicit ContextSnapshot(CheckpointReader& reader);
     void write(CheckpointWriter& writer) const;
@@ -36,7 +36,7 @@ public:
      */
     void updateVelocities(const OpenMM::Context& context);
     /**
-     * Set all of it in a Context. Parameters that the Context does not have are left out.
+     * Set all of them in a Context, except parameters that the Context does not have.
      */
     void restore(OpenMM::Context& context) const;
 

@@ -9,12 +9,12 @@
 namespace ChainTreePlugin {
 
 /**
- * Spheres whose overlap a force field all but forbids. Trials are tested by them where the radii of the
- * StericExclusionForce count for nothing, so that hopeless trials need no energy.
+ * Spheres whose overlap a force field all but forbids. With the steric mode Off they replace the radii of the
+ * StericExclusionForce in tests of trials, so that hopeless trials need no energy.
  *
- * Two particles whose spheres overlap have a Lennard-Jones repulsion that exceeds the Coulomb attraction between them
- * by more than a given energy. Coulomb repulsion counts for nothing. The charges of a pair are those of its
- * Lennard-Jones types that attract each other most.
+ * If two spheres overlap, the Lennard-Jones repulsion of their particles exceeds their Coulomb attraction by more than
+ * a given energy. Coulomb repulsion is ignored. For each pair of Lennard-Jones types, the charges that attract each
+ * other most are taken.
  *
  * A charged particle without Lennard-Jones, such as the hydrogen of a hydroxyl group in AMBER, gets a sphere of
  * GUARD_RADIUS, for its energy with an opposite charge has no minimum.
@@ -28,7 +28,7 @@ public:
     /**
      * @param nonbonded  Lennard-Jones and Coulomb of all pairs
      * @param termSets   other terms of the energy; those of two particles exempt their pair
-     * @param energy     which a pair exceeds if its spheres overlap, in kJ/mol
+     * @param energy     exceeded by every pair whose spheres overlap, in kJ/mol
      */
     CoreSpheres(const EnergyTerms::Nonbonded& nonbonded, const std::vector<EnergyTerms::TermSet>& termSets,
                 double energy);
@@ -36,9 +36,9 @@ public:
     {
         return radii == other.radii && exclusions == other.exclusions;
     }
-    /** For each particle, in nm; 0 if it has no sphere. There are none at all if no trial is to be tested. */
+    /** For each particle, in nm; 0 if it has no sphere. Empty if trials are not tested. */
     std::vector<double> radii;
-    /** Pairs that may overlap: bonded ones, whose energy is another. */
+    /** Pairs that may overlap: bonded ones, which have other energy terms. */
     std::vector<std::array<int, 2>> exclusions;
 };
 

@@ -19,9 +19,9 @@ class SceneEnergy;
 /**
  * Who evaluates the energy of each Force of a Context, and why.
  *
- * A plan is made when the Context is. Like OpenMM, it goes by the force groups of that time, and by the Forces as they
- * were then or at the last copyForces(), whatever becomes of them. translate() turns these copies into terms;
- * setChangeableTerms() tells which of them moves can change.
+ * A plan is made with the Context. Like OpenMM, it uses the force groups of that time, and copies of the Forces of that
+ * time or of the last copyForces(). translate() turns these copies into terms; setChangeableTerms() says which of them
+ * moves can change.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyPlan {
 public:
@@ -30,7 +30,7 @@ public:
         None,
         /** The scene evaluates it once, since no move can change it. */
         Constant,
-        /** The scene evaluates what a trial changes of it. */
+        /** The scene evaluates its change in each trial. */
         Native,
         /** OpenMM evaluates it. */
         Foreign
@@ -38,7 +38,7 @@ public:
     class Entry {
     public:
         std::string name;
-        /** Its force groups, as a bit mask: one, or two if its reciprocal space has a group of its own. */
+        /** Its force groups, as a bit mask: one, or two if its reciprocal space has another group. */
         int groups;
         Kind kind;
         /** A clause that says why. NativeEnergy::describePlan() also says how often it is evaluated. */
@@ -46,19 +46,19 @@ public:
     };
     explicit EnergyPlan(const OpenMM::ContextImpl& context);
     /**
-     * Set how a stand-in is made when the Forces are translated next, if they need one.
+     * Set the parameters of the stand-in for the next translation.
      */
     void setStandIn(const EnergyTerms::StandIn& choice)
     {
         standIn = choice;
     }
     /**
-     * Take notice that the parameters of some Force were copied to the Context.
+     * Copy the Forces again: the parameters of some Force were copied to the Context.
      */
     void copyForces();
     typedef TorsionMonteCarloIntegrator::StericMode StericMode;
     /**
-     * Get what a steric mode means where these force groups have a part in U: Automatic becomes Off or Hard.
+     * Get the meaning of a steric mode for these force groups: Automatic becomes Off or Hard.
      */
     StericMode resolve(StericMode mode, int groups) const;
     /**
@@ -71,11 +71,10 @@ public:
      */
     void translate(int groups, bool allowNative, StericMode mode);
     /**
-     * Get the spheres by which trials are tested with the steric mode Off; none if the Forces give no reason to refuse
-     * a trial before its energy is known.
+     * Get the spheres that test trials with the steric mode Off; none if every overlap may have a low energy.
      *
      * @param groups  the force groups that have a part in U, as a bit mask
-     * @param energy  which a pair exceeds if its spheres overlap, in kJ/mol
+     * @param energy  exceeded by every pair whose spheres overlap, in kJ/mol
      */
     CoreSpheres findCoreSpheres(int groups, double energy) const;
     /**
@@ -86,26 +85,26 @@ public:
         return terms;
     }
     /**
-     * Take notice of what SceneEnergy::countChangeableTerms() says.
+     * Take notice of the result of SceneEnergy::countChangeableTerms().
      *
      * @param counts         for each set of terms, how many of them some move could change
-     * @param somethingMoves whether there is anything that a move could change
+     * @param somethingMoves whether moves can change anything
      */
     void setChangeableTerms(const std::vector<int>& counts, bool somethingMoves);
     /**
-     * Get what was decided about each Force, by its index in the System.
+     * Get the decision about each Force, by its index in the System.
      */
     const std::vector<Entry>& getEntries() const
     {
         return entries;
     }
     /**
-     * Get whether trials see a stand-in for a Force, and whether its energy is one of values.
+     * Get whether trials use a stand-in for a Force, and whether its energy is one of values.
      */
     bool hasStandIn(int index) const;
     bool isOfValues(int index) const;
     /**
-     * Get the force groups that have a Force of this kind, as a bit mask. A group may be among those of several kinds.
+     * Get the force groups that have a Force of this kind, as a bit mask. A group may have Forces of several kinds.
      */
     int getGroups(Kind kind) const;
     /**
@@ -113,18 +112,18 @@ public:
      */
     std::set<int> getTranslatedForces() const;
     /**
-     * Get the force groups of U without foreign Forces, but with native or constant ones: there, OpenMM's energy and
-     * that of the scene are the same.
+     * Get the force groups of U with native or constant Forces only, whose energies in OpenMM and in the scene are
+     * equal.
      */
     int getWhollyNativeGroups() const;
     /**
-     * Sum up energies as getEnergies(), computeWhole() and computeValues() of SceneEnergy give them: the energy of each
-     * Force by its index in the System, 0 for a Force that is not evaluated there.
+     * Sum results of getEnergies(), computeWhole() and computeValues() of SceneEnergy by Force. Returns the energy of
+     * each Force by its index in the System, 0 for a Force that the scene does not evaluate.
      */
     std::vector<double> sumByForce(double nonbonded, double born, const std::vector<double>& pairSets,
                                    const std::vector<double>& termSets, const std::vector<double>& valueEnergies) const;
     /**
-     * Get the same of a scene whose energy has these terms, after SceneEnergy::update().
+     * Compute the same from a scene whose energy has these terms, after SceneEnergy::update().
      */
     std::vector<double> computeByForce(SceneEnergy& energy) const;
 
@@ -146,9 +145,9 @@ private:
     std::string describeStericPart(StericMode mode, int groups) const;
     int findReplacement(int groups) const;
     const OpenMM::ContextImpl& context;
-    /** The Forces there were when the plan was made. Some may have been removed since. */
+    /** The Forces when the plan was made. Some may have been removed since. */
     std::vector<const OpenMM::Force*> forces;
-    /** The copies of those of native kinds, and the names of all others' classes. */
+    /** The copies of Forces of native kinds, and the class names of all others. */
     std::vector<std::unique_ptr<OpenMM::Force>> copies;
     std::vector<std::string> classNames;
     /** The steric force, and Forces without an energy, which act on velocities or the box alone. */

@@ -12,8 +12,7 @@
 namespace ChainTreePlugin {
 
 /**
- * An EnergyStage is a part of the energy U that decides about a trial that is free of clashes. It holds what it needs
- * of the state.
+ * An EnergyStage accepts or rejects clash-free trials by a part of the energy U. It may keep data of the state.
  */
 class OPENMM_EXPORT_CHAINTREE EnergyStage {
 public:
@@ -35,15 +34,15 @@ public:
      */
     virtual double computeEnergyChange(TrialSession& trials) = 0;
     /**
-     * Get whether the change of the way back is the opposite, as it is for a function of the state. If not, a later
-     * stage has to correct it; see EnergyStages::DecideOneByOne.
+     * Get whether the reverse trial has the opposite change, as for a function of the state. If not, a later stage has
+     * to correct it; see EnergyStages::DecideOneByOne.
      */
     virtual bool isAntisymmetric() const
     {
         return true;
     }
     /**
-     * Get what this stage adds to its change where stages decide one by one, to correct an earlier stage that is not
+     * Get the term that this stage adds to its change under DecideOneByOne, to correct an earlier stage that is not
      * antisymmetric. Call this after computeEnergyChange().
      */
     virtual double getCorrection()
@@ -63,7 +62,7 @@ public:
     {
     }
     /**
-     * Save what is known about the state.
+     * Save the data of the state.
      */
     virtual void save()
     {
@@ -91,19 +90,19 @@ public:
          */
         DecideBySum,
         /**
-         * Each stage decides by its own change and a random number of its own, which is drawn before the change is
-         * computed (delayed acceptance).
+         * Each stage decides by its own change and its own random number, which is drawn before the change is computed
+         * (delayed acceptance).
          *
          * This samples the same distribution exactly. A trial from x to y is accepted if it passes all stages, with the
-         * probability a(x, y) = product over i of min(1, r_i(x, y)). Here r_i = exp(-change_i / kT), and that of the
-         * first stage is multiplied by the ratio of backward and forward proposal. Each change is that of a function of
-         * the state, or at least of the pair of states such that the way back has the opposite one: r_i(y, x) =
-         * 1 / r_i(x, y). Since min(1, r) / min(1, 1 / r) = r, a(x, y) / a(y, x) is the product of all r_i, which is
-         * what detailed balance asks for. (Christen and Fox, J. Comput. Graph. Stat. 14, 795 (2005).) It accepts less
-         * than the sum would: a stage may reject a trial that a later one would have favoured.
+         * probability a(x, y) = product over i of min(1, r_i(x, y)). Here r_i = exp(-change_i / kT), and the first
+         * stage's r is multiplied by the ratio of backward and forward proposal. Each change is the difference of a
+         * function of the state, or at least antisymmetric: r_i(y, x) = 1 / r_i(x, y). Since min(1, r) / min(1, 1 / r)
+         * = r, a(x, y) / a(y, x) is the product of all r_i, as detailed balance requires. (Christen and Fox, J. Comput.
+         * Graph. Stat. 14, 795 (2005).) It accepts less than the sum would: a stage may reject a trial that a later one
+         * would have favoured.
          *
-         * A stage n may have a change d(x, y) that is not the opposite of d(y, x), if another stage l after it, whose
-         * own change c is such that d + c is antisymmetric, adds the correction
+         * A stage n may have a change d(x, y) that is not the opposite of d(y, x), if a later stage l, with a change c
+         * for which d + c is antisymmetric, adds the correction
          *
          *     max(0, d(y, x)) - max(0, -d(x, y))
          *
@@ -111,10 +110,10 @@ public:
          *
          *     C(x, y) = (d + c)(x, y) + max(0, d(y, x)) - max(0, d(x, y)),
          *
-         * which is antisymmetric, so l contributes exp(-C(x, y) / kT) to a(x, y) / a(y, x). Stage n contributes
-         * min(1, exp(-d(x, y) / kT)) / min(1, exp(-d(y, x) / kT)) = exp(-(max(0, d(x, y)) - max(0, d(y, x))) / kT). The
-         * product is exp(-(d + c) / kT), as if both were antisymmetric. The ratio of proposals must be no part of
-         * stage n, where it would change the maxima: if n is the first one, it is tested before, alone.
+         * which is antisymmetric, so l contributes exp(-C(x, y) / kT) to a(x, y) / a(y, x). Stage n contributes min(1,
+         * exp(-d(x, y) / kT)) / min(1, exp(-d(y, x) / kT)) = exp(-(max(0, d(x, y)) - max(0, d(y, x))) / kT). The
+         * product is exp(-(d + c) / kT), as if both were antisymmetric. The ratio of proposals must not enter stage n,
+         * where it would change the maxima: if n is the first stage, the ratio is tested alone before it.
          */
         DecideOneByOne
     };
@@ -160,17 +159,17 @@ public:
      * of U is not a number is rejected.
      *
      * @param trials       the session of the trial
-     * @param logRatio     what MonteCarloMove::computeLogRatio() returned
+     * @param logRatio     the result of MonteCarloMove::computeLogRatio()
      * @param temperature  in Kelvin
-     * @param rule         how to decide. At a temperature of 0 it is always the sum: stages that may only go down each
-     *                     would stop at states from which the sum still leads down.
+     * @param rule         how to decide. At a temperature of 0 the sum always decides: stages that each had to go down
+     *                     would stop at states where the sum can still decrease.
      * @param random       draws nothing if no stage takes part and logRatio is not negative
      */
     bool decide(TrialSession& trials, double logRatio, double temperature, Rule rule, RandomNumberGenerator& random);
     void accept();
     void reject();
     /**
-     * Save what the stages know about the state, or take notice that it was restored.
+     * Save the stages' data of the state, or take notice that the state was restored.
      */
     void save();
     void restore();

@@ -9,8 +9,8 @@
 namespace ChainTreePlugin {
 
 /**
- * The energy that a Scene evaluates for each trial, in numbers. This is what Forces of a System are translated to;
- * ctenergy.h, the manual of the library that evaluates it, says what each field means.
+ * The energy that a Scene evaluates for each trial, in numbers: the translation of Forces of a System. ctenergy.h, the
+ * manual of the library that evaluates it, explains each field.
  */
 class EnergyTerms {
 public:
@@ -88,7 +88,7 @@ public:
     /** An energy of values that particles have; see ctValueEnergy. */
     struct ValueEnergy {
         int force;
-        /** One clause that says why it is no Born. */
+        /** One clause that says why it is not a Born. */
         std::string reason;
         int parametersPerParticle;
         std::vector<double> parameters;

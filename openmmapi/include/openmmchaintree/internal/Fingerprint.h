@@ -8,7 +8,7 @@
 namespace ChainTreePlugin {
 
 /**
- * Get a number that tells bytes from others (FNV-1a). If one byte alone differs, so does the number.
+ * Get a checksum of bytes (FNV-1a). It changes with every single byte.
  */
 inline std::uint64_t hashBytes(const void* data, std::size_t size)
 {

@@ -4,7 +4,7 @@
 namespace ChainTreePlugin {
 
 /**
- * Sets a flag for as long as it lives, also if an exception ends its life.
+ * Sets a flag until the end of the scope.
  */
 class FlagGuard {
 public:

@@ -18,11 +18,11 @@ namespace ChainTreePlugin {
  */
 class ForeignCopies {
 public:
-    /** There are as many force groups. */
+    /** The number of force groups. */
     static const int MOST_FORCES = 32;
     /**
-     * Get whether a copy has the energy of a Force. It has for classes of OpenMM whose energy depends on positions, box
-     * and parameters alone. Forces of others may remember something, or hold other Forces or programs.
+     * Get whether a copy has the same energy as the Force. This holds for classes of OpenMM whose energy depends on
+     * positions, box and parameters alone. Other Forces may have a memory, or hold other Forces or programs.
      */
     static bool canCopy(const OpenMM::Force& force);
     ForeignCopies(OpenMM::ContextImpl& context, const std::vector<const OpenMM::Force*>& forces);

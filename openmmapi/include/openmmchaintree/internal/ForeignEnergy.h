@@ -10,8 +10,8 @@ namespace ChainTreePlugin {
  * The energy of foreign Forces that decide each trial, evaluated by OpenMM in each trial. Foreign Forces that
  * are left to outer tests have no part in it.
  *
- * If ForeignForces can only evaluate them mixed with native Forces, what the scene has computed of these is
- * subtracted, so that the change is that of the foreign Forces alone.
+ * If ForeignForces can only evaluate them together with native Forces, the scene's energy of the native Forces is
+ * subtracted.
  */
 class ForeignEnergy : public EnergyStage {
 public:
@@ -40,7 +40,7 @@ private:
     std::vector<int> parts;
     /** The energies of the state and of the open trial. */
     double energy, proposedEnergy;
-    /** That of the state that was kept. */
+    /** The energy of the saved state. */
     double keptEnergy;
 };
 

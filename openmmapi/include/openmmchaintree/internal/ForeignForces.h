@@ -13,11 +13,11 @@
 namespace ChainTreePlugin {
 
 /**
- * Lets OpenMM evaluate the foreign Forces of a Context, and no others where that is possible.
+ * Lets OpenMM evaluate the foreign Forces of a Context, without the others where possible.
  *
  * On the Reference and CPU platforms a ForceImpl evaluates its Force when it is asked to, so the Context is asked for
- * its energy while it has no ForceImpls but those of foreign Forces. It is they who evaluate, not copies: they have the
- * parameters that updateParametersInContext() gave them, and whatever they remember.
+ * its energy while it has the ForceImpls of foreign Forces only. These are the originals, with the parameters of
+ * updateParametersInContext() and any memory that they have.
  *
  * Other platforms evaluate force groups as a whole. Foreign Forces in groups without native ones are then alone, too.
  * Forces that share a group with a native one are copied (ForeignCopies). If one of these cannot be copied, the energy
@@ -35,7 +35,7 @@ public:
      */
     void setForces(const EnergyPlan& plan, int groups, bool allowNative, bool haveChanged);
     /**
-     * What is evaluated at once.
+     * Forces that are evaluated together.
      */
     class Part {
     public:
@@ -43,7 +43,7 @@ public:
         std::vector<int> forces;
         /** The force groups that are evaluated as a whole for it, as a bit mask; 0 if it is evaluated without them. */
         int groups;
-        /** Whether it is a copy that is evaluated, and its index. */
+        /** The index of the copy that is evaluated, or -1. */
         int copy;
     };
     const std::vector<Part>& getParts() const
@@ -51,7 +51,7 @@ public:
         return parts;
     }
     /**
-     * Get whether native Forces are evaluated with them. Then there is one part, and all native Forces are in it.
+     * Get whether native Forces are evaluated with the foreign ones. Then there is one part, with all native Forces.
      */
     bool areMixed() const
     {
@@ -67,7 +67,7 @@ public:
     double computeEnergy(TrialSession& trials, const std::vector<int>& chosen) const;
     double computeEnergy(TrialSession& trials) const;
     /**
-     * Find the Forces whose energy is none that a state can have, or all of them if it is only their sum.
+     * Find the Forces whose energy is impossible, or all of them if only their sum is.
      */
     std::vector<int> findImpossible(TrialSession& trials) const;
 
@@ -80,7 +80,7 @@ private:
     const bool implsEvaluate, allowCopies;
     /** The ForceImpls by the indices of their Forces. */
     const std::vector<OpenMM::ForceImpl*> impls;
-    /** What the Context has in their place while these Forces are evaluated alone. */
+    /** The ForceImpls that the Context has while these Forces are evaluated alone. */
     mutable std::map<std::vector<int>, std::vector<OpenMM::ForceImpl*>> chosenImpls;
     int groups;
     bool mixed;

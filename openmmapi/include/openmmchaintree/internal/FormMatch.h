@@ -10,20 +10,20 @@
 namespace ChainTreePlugin {
 
 /**
- * An expression that has the normal form of one of some others, and what its coefficients are by the names that these
- * give them.
+ * Finds which of some known expressions has the normal form of an expression, and the values of the known expression's
+ * coefficients, by name.
  */
 class FormMatch {
 public:
     /**
      * @param node       the expression
-     * @param variables  the names of its variables, and their names in the others
-     * @param known      the others. All their names that are no variables stand for coefficients
+     * @param variables  the names of its variables, and their names in the known expressions
+     * @param known      the known expressions. All their names except variables stand for coefficients
      */
     FormMatch(const Lepton::ExpressionTreeNode& node, const std::map<std::string, std::string>& variables,
               const std::vector<std::string>& known);
     /**
-     * Get which of the others it is; -1: none.
+     * Get the index of the known expression; -1: none.
      */
     int getIndex() const
     {
@@ -45,7 +45,8 @@ public:
         return named.at(name);
     }
     /**
-     * Get the coefficients that no name stands for alone, with what they have to be: functions of names, or numbers.
+     * Get the coefficients that are not names in the known expression, with their required values: functions of names,
+     * or numbers.
      */
     const std::vector<std::pair<Lepton::ExpressionTreeNode, Lepton::ExpressionTreeNode>>& getDetermined() const
     {

@@ -21,7 +21,7 @@ inline std::string toHexadecimal(const std::string& bytes)
 }
 
 /**
- * Read what toHexadecimal() wrote. Returns false if it did not write this.
+ * Read the result of toHexadecimal(). Returns false if the text is not hexadecimal.
  */
 inline bool fromHexadecimal(const std::string& text, std::string& bytes)
 {

@@ -7,8 +7,7 @@
 namespace ChainTreePlugin {
 
 /**
- * What a language such as Python, from which this library is called, has to say while a call runs. C++ alone has
- * nothing to say.
+ * The interpreter that calls this library, such as Python: handles signals during a call. C++ programs have none.
  */
 class OPENMM_EXPORT_CHAINTREE Interpreter {
 public:
@@ -18,22 +17,22 @@ public:
      */
     virtual bool mayWait() = 0;
     /**
-     * Begin to take notice of signals, such as that of Ctrl-C. Returns false if this thread does not handle any. This
-     * may take as long as another thread holds the interpreter's lock.
+     * Begin to watch for signals, such as Ctrl-C. Returns false if this thread handles no signals. This may wait until
+     * another thread releases the interpreter's lock.
      */
     virtual bool beginWatch() = 0;
     virtual void endWatch() = 0;
     /**
-     * Get whether a signal has come since beginWatch(). This must cost next to nothing.
+     * Get whether a signal has come since beginWatch(). This must be cheap.
      */
     virtual bool hasSignal() = 0;
     /**
-     * Run the handlers of signals that have come. Returns false if one of them wants the present call to end; it then
-     * tells the caller why as soon as the call has returned.
+     * Run the handlers of signals that have come. Returns false if one of them raises an exception. Then the present
+     * call must end; the caller gets the exception when the call has returned.
      */
     virtual bool handleSignals() = 0;
     /**
-     * Name the interpreter. It is never deleted.
+     * Set the interpreter. It is never deleted.
      */
     static void set(Interpreter* interpreter);
     /**
@@ -43,24 +42,23 @@ public:
 };
 
 /**
- * This watches for signals while trials run. Handlers run between steps, where the Context is whole, and in the midst
- * of a step only if that takes too long. It changes no trial.
+ * Watches for signals while trials run. Handlers run between steps, or within a step if it takes too long. They change
+ * no trial.
  */
 class OPENMM_EXPORT_CHAINTREE SignalWatch {
 public:
     /**
-     * Begin to watch, if the trials to come take so long that it matters. Signals that come later are handled when the
-     * present call has returned.
+     * Begin to watch if the trials take long enough. Otherwise signals are handled when the present call has returned.
      *
-     * @param secondsPerTrial  what trials took the last time, infinite at first
+     * @param secondsPerTrial  time per trial in the last call, infinite at first
      */
     SignalWatch(double numTrials, double& secondsPerTrial);
     ~SignalWatch();
     SignalWatch(const SignalWatch&) = delete;
     SignalWatch& operator=(const SignalWatch&) = delete;
     /**
-     * Take notice that a trial has ended. Returns whether trials should pause for handle(), since a signal has waited
-     * for too long.
+     * Call this after each trial. Returns whether trials should pause for handle(), because a signal has waited too
+     * long.
      */
     bool isUrgent()
     {
@@ -79,7 +77,7 @@ private:
     const double numTrials;
     double& secondsPerTrial;
     bool hasBegun, isWatching, signalWasSeen;
-    /** The number of trials until the clock is read again, and how many there were to be the last time. */
+    /** The number of trials until the clock is read again, and its initial value. */
     long long trialsToLook, interval;
     const Clock::time_point start;
     Clock::time_point lastLook, signalTime;

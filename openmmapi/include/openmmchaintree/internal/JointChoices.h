@@ -8,10 +8,10 @@
 namespace ChainTreePlugin {
 
 /**
- * Throw an exception if a move names a torsion that does not exist, or one twice, or if there is none.
+ * Throw an exception if there are no torsions, or if a move names one that does not exist or names one twice.
  *
  * @param torsions  the torsions that the move names
- * @param name      what messages call the move
+ * @param name      the name of the move in messages
  */
 void checkTorsions(const LinkStructure& structure, const std::vector<int>& torsions, const std::string& name);
 
@@ -20,7 +20,7 @@ void checkTorsions(const LinkStructure& structure, const std::vector<int>& torsi
  * ring of a closure.
  *
  * @param torsions  the torsions that the move names; if empty, all outside rings of closures
- * @param name      what messages call the move
+ * @param name      the name of the move in messages
  */
 std::vector<int> chooseTorsions(const LinkStructure& structure, const std::vector<int>& torsions,
                                 const std::string& name);

@@ -13,16 +13,16 @@
 namespace ChainTreePlugin {
 
 /**
- * What a checkpoint or State holds of the geometry: it is read, checked, and only then taken over.
+ * The geometry in a checkpoint or State, which is read and checked before it is used.
  */
 class KeptGeometry {
 public:
     /**
-     * Read what StericExclusionForceImpl::createCheckpoint() wrote.
+     * Read the result of StericExclusionForceImpl::createCheckpoint().
      */
     explicit KeptGeometry(CheckpointReader& reader);
     /**
-     * Throw an exception if a scene would refuse a part, or if links stand elsewhere than they were last seen.
+     * Throw an exception if a scene would refuse a part, or if the state disagrees with agreedPositions.
      *
      * @param scene  another scene of the same structure, whose state becomes the kept one
      */

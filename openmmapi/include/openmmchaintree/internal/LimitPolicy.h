@@ -11,9 +11,8 @@ namespace ChainTreePlugin {
 /**
  * This class decides when the limits of pairs restart and when they may only grow. The Scene holds the limits.
  *
- * Limits restart when positions were set, since the user has chosen another start. They may only grow when the step of
- * another Integrator has moved particles, since the sampling continues. OpenMM reports neither with certainty, so this
- * class is told everything that helps to tell them apart.
+ * Limits restart when the user has set positions. They may only grow when the step of another Integrator has moved
+ * particles, since sampling continues. OpenMM reports neither reliably, so this class infers it from the events below.
  */
 class LimitPolicy {
 public:
@@ -27,7 +26,7 @@ public:
      * this call, steps restart limits, too.
      *
      * @param announced  whether all Integrators of the Context call updateContextState() when they begin a step. If
-     *                   not, whatever moves particles in silence may have been one of them.
+     *                   not, any unexplained change of positions may be a step.
      */
     void expectDynamics(bool announced);
     /**
@@ -37,7 +36,7 @@ public:
      */
     void stepBegins(long long stepCount);
     /**
-     * Take notice that particles are seen where they were not put by this plugin.
+     * Take notice that something other than this plugin has moved particles.
      */
     void particlesWereMoved();
     /**
@@ -45,7 +44,7 @@ public:
      */
     void positionsWereSeen(long long stepCount);
     /**
-     * Take notice that nobody is in the midst of a step: trials begin.
+     * Take notice that trials begin, so that no other Integrator is in a step.
      */
     void noStepIsUnderWay();
     /**
@@ -53,7 +52,7 @@ public:
      */
     void parametersWereChanged();
     /**
-     * Make sure that every pair that clashes in the scene's state has its limit.
+     * Raise the limits of pairs that clash in the scene's state.
      */
     void update();
     /**
@@ -69,7 +68,7 @@ public:
      * there is one.
      */
     void refuseToleratedClashes();
-    /** What a checkpoint holds of limits. */
+    /** The limits in a checkpoint. */
     class Kept {
     public:
         std::vector<std::pair<int, int>> pairs;
@@ -78,14 +77,14 @@ public:
         long long stepBegun;
     };
 
-    // Checkpoints hold what a step may still change after everything else, so it is written and read apart.
+    // Checkpoints hold the step at their end, so it is written and read apart.
 
     /**
      * Write the limits, and whether they are up to date.
      */
     void writeLimits(CheckpointWriter& writer) const;
     /**
-     * Read what writeLimits() wrote. This changes nothing.
+     * Read the result of writeLimits().
      */
     static void readLimits(CheckpointReader& reader, Kept& kept);
     /**
@@ -93,11 +92,11 @@ public:
      */
     void writeStep(CheckpointWriter& writer) const;
     /**
-     * Read what writeStep() wrote. This changes nothing.
+     * Read the result of writeStep().
      */
     static void readStep(CheckpointReader& reader, Kept& kept);
     /**
-     * Use what was read. Call this after the scene was given its state.
+     * Use the limits of a checkpoint. Call this after the scene was given its state.
      *
      * @param hasPositions  whether that state has positions; without them there are no limits
      */

@@ -9,7 +9,7 @@ namespace ChainTreePlugin {
 
 /**
  * The numbers of std::mt19937_64, in less time: the loops of GCC's library take a branch that depends on a random bit,
- * which processors mispredict every other time. What is written to a stream is what GCC's library writes.
+ * which processors mispredict every other time. The text in a stream is the same as GCC's library writes.
  */
 class MersenneTwister {
 public:
@@ -30,7 +30,7 @@ public:
         return word ^ word >> 43;
     }
     /**
-     * Write what decides all numbers still to be drawn.
+     * Write the state, which determines all further numbers.
      */
     void write(std::ostream& stream) const
     {
@@ -39,7 +39,7 @@ public:
         stream << next;
     }
     /**
-     * Read what write() has written. Returns false, and changes nothing, if it is not that.
+     * Read the result of write(). Returns false, and changes nothing, if it is damaged.
      */
     bool read(std::istream& stream)
     {

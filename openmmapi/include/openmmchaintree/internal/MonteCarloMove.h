@@ -19,13 +19,12 @@ namespace ChainTreePlugin {
 class MonteCarloMove;
 
 /**
- * A parameter of a move: what it is called, what it may be, and its value. MoveDeclaration.h has the kinds of
- * parameters.
+ * A parameter of a move: its name, its bounds and its value. MoveDeclaration.h has the kinds of parameters.
  */
 class OPENMM_EXPORT_CHAINTREE MoveParameter {
 public:
     /**
-     * A number, the indices of what a move chooses from, empty for all, or many numbers.
+     * A number, the indices of joints or molecules to choose from, empty for all, or many numbers.
      */
     typedef std::variant<double, int, std::vector<int>, std::vector<double>> Value;
     /**
@@ -49,7 +48,7 @@ public:
     /** The name of the argument, in XML and in checkpoints. */
     std::string name;
     Value value;
-    /** What messages call a number, as "largest angle"; what an empty list of indices means, as "all". */
+    /** The name of a number in messages, as "largest angle"; the meaning of an empty list of indices, as "all". */
     std::string text;
     /** The unit of a number, as "nm^-2". */
     std::string unit = "1";
@@ -57,24 +56,24 @@ public:
     bool mayBeLeast = true;
     /** Whether the scale of a move multiplies it. */
     bool isSize = false;
-    /** What one of many values is called in XML, as "Torsion". */
+    /** The name of one of many values in XML, as "Torsion". */
     std::string element;
 };
 
 /**
- * A kind of move: what it is called, its parameters, and how one is read from XML. Each kind is a constant in the file
- * of its move, whose constructor makes it known.
+ * A kind of move: its names, its parameters, and its reader of XML. Each kind is a constant in the file of its move;
+ * the constructor registers it.
  */
 class OPENMM_EXPORT_CHAINTREE MoveKind {
 public:
     /**
-     * Creates a move from what its write() wrote.
+     * Creates a move from the result of its write().
      */
     typedef std::unique_ptr<MonteCarloMove> Reader(const OpenMM::SerializationNode& node);
     /**
-     * @param name        what messages, checkpoints and States call a move of this kind, as "torsion"
+     * @param name        the name of such a move in messages, checkpoints and States, as "torsion"
      * @param element     the name of its element in XML, as "TorsionMove"
-     * @param type        what TorsionMonteCarloIntegrator::getMoveType() returns
+     * @param type        the result of TorsionMonteCarloIntegrator::getMoveType()
      * @param parameters  its parameters, with any values
      * @param read        the function that reads it
      */
@@ -117,11 +116,11 @@ public:
         return kind;
     }
     /**
-     * Get a few words about it for people to read: what moves, and how far, as "torsion ±0.2 rad".
+     * Get a short description: what moves, and how far, as "torsion ±0.2 rad".
      */
     std::string summarize() const;
     /**
-     * Get what moves, for people to read. The default is the name of the kind.
+     * Get the subject of summarize(). The default is the name of the kind.
      */
     virtual std::string getSubject() const
     {
@@ -133,14 +132,14 @@ public:
      */
     virtual std::vector<MoveParameter> getParameters() const = 0;
     /**
-     * Write to XML what the kind's Reader reads: the parameters, unless a move has a better form for them.
+     * Write the XML for the kind's Reader. The default writes the parameters.
      */
     virtual void write(OpenMM::SerializationNode& node) const;
     /**
      * Find the joints or molecules to move. Each new Context calls this before propose().
      *
      * @param structure  the links of the molecules to move
-     * @param name       what messages call this move if it names something that does not exist
+     * @param name       the name of this move in error messages
      */
     virtual void bind(const LinkStructure& structure, const std::string& name) = 0;
     /**
@@ -157,7 +156,7 @@ public:
      */
     virtual double computeLogRatio(TrialSession& trials);
     /**
-     * Get whether the trials of this move have a size, so that setScale() has an effect.
+     * Get whether the trials of this move have a size, which setScale() scales.
      */
     virtual bool hasSize() const
     {

@@ -99,8 +99,8 @@ public:
 };
 
 /**
- * The indices of what a move chooses from; if empty, what the text says. The name is a plural, such as "ballJoints";
- * then an index is a BallJoint in XML.
+ * The indices of the joints or molecules that a move chooses from; the text says which these are if the list is empty.
+ * The name is a plural, such as "ballJoints"; then an index is a BallJoint in XML.
  */
 class Indices : public MoveParameter {
 public:

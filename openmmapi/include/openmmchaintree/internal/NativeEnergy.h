@@ -22,8 +22,8 @@ class StericExclusionForceImpl;
 /**
  * The part of U that the scene evaluates, by the EnergyPlan of a Context. Its stages share this object.
  *
- * Forces are translated when the Context is made, when it has told of a change of parameters, and when what is sampled
- * was changed. OpenMM's own energy is compared after each of these, and from time to time.
+ * Forces are translated when the Context is made and when parameters or settings of the integrator have changed. The
+ * energy is compared with OpenMM's after each translation, and from time to time.
  */
 class NativeEnergy {
 public:
@@ -33,7 +33,7 @@ public:
     NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                  OpenMM::ContextImpl& context);
     /**
-     * Take notice that the Context has told of a change.
+     * Take notice of a change that the Context has reported.
      */
     void contextWasChanged(OpenMM::State::DataType changed)
     {
@@ -41,16 +41,16 @@ public:
         forcesWereChanged |= changed == OpenMM::State::Energy; // by updateParametersInContext() of a Force
     }
     /**
-     * Recompute the energy of the state before its next use. A run that continues and one that resumes from what was
-     * just saved then add the same numbers in the same order.
+     * Recompute the energy of the state before its next use. A continued run and a run that resumes from a checkpoint
+     * then add the same numbers in the same order.
      */
     void recompute()
     {
         energyIsOld = true;
     }
     /**
-     * Translate the Forces again if anything was changed, and give the scene their terms: another integrator of a
-     * CompoundIntegrator may have given it its own. This comes before a TrialSession begins.
+     * Translate the Forces again if anything has changed, and give the scene their terms, which another integrator of a
+     * CompoundIntegrator may have replaced. Call this before a TrialSession begins.
      */
     void updatePlan();
     /**
@@ -61,13 +61,13 @@ public:
         return plan.resolve(integrator.getStericMode(), integrator.getIntegrationForceGroups());
     }
     /**
-     * Get the entries of the plan, with reasons that say how often each Force is evaluated by the settings and by what
-     * is known at present.
+     * Get the entries of the plan, with reasons that say how often each Force is evaluated under the present settings
+     * and measurements.
      */
     std::vector<EnergyPlan::Entry> describePlan();
     /**
-     * Begin a series of trials: update the scene's energy, and compare OpenMM's if it is time. This comes
-     * after updatePlan(), and before the stages begin.
+     * Begin a series of trials: update the scene's energy, and compare it with OpenMM's if it is time. Call this after
+     * updatePlan(), and before the stages begin.
      */
     void begin(TrialSession& trials);
     /**
@@ -79,7 +79,7 @@ public:
      */
     double computeEnergyChange(ctEnergyPart part);
     /**
-     * Forget what was computed of the open trial, which has ended.
+     * Discard the results of the open trial, which has ended.
      */
     void forgetTrial();
     /**
@@ -98,15 +98,14 @@ public:
         return computedChange;
     }
     /**
-     * Get whether trials are decided by the energies of values, too. If not, but moves can change them, they are left
-     * to the outer test.
+     * Get whether each trial is decided by the energies of values, too. Otherwise the outer test decides by them.
      */
     bool decidesByValues() const
     {
         return valuesCanChange && integrator.getTrialsPerOuterTest() == 0;
     }
     /**
-     * Compute by how much the open trial changes the energies of values. This comes after all parts.
+     * Compute by how much the open trial changes the energies of values. Call this after all parts.
      */
     double computeValueEnergyChange();
     /**
@@ -124,7 +123,7 @@ public:
      */
     static bool isPossible(double energy);
     /**
-     * Throw an exception about a state whose energy is not possible, which names the foreign Forces that cause it.
+     * Throw an exception that names the foreign Forces whose energy of the state is impossible.
      */
     [[noreturn]] void refuseState(TrialSession& trials) const;
     const ForeignForces& getForeign() const
@@ -132,7 +131,7 @@ public:
         return foreign;
     }
     /**
-     * Get the parts of the foreign Forces that each trial of the series that has begun is decided by.
+     * Get the parts of the foreign Forces that decide each trial of the present series.
      */
     std::vector<int> getForeignOfTrials() const
     {
@@ -143,21 +142,22 @@ public:
      */
     double computeEnergy(TrialSession& trials);
 
-    // ---- What trials see, U1, and the energy U; see OuterTest ----
+    // ---- The energy U and its approximation U1, which decides trials; see OuterTest ----
 
     /**
-     * Get whether trials see a stand-in for a part of U.
+     * Get whether trials use a stand-in for a part of U.
      */
     bool hasStandIn() const
     {
         return !plan.getTerms().born.empty() && pairsCanChange;
     }
     /**
-     * Get what the change of other pairs adds to correct that of near pairs; see EnergyStage::getCorrection().
+     * Get the term that the change of other pairs adds to correct the change of near pairs; see
+     * EnergyStage::getCorrection().
      */
     double getNearCorrection();
     /**
-     * Get the number of trials per outer test in the series that has begun; 0 without outer tests.
+     * Get the number of trials per outer test in the present series; 0 without outer tests.
      */
     int getTrialsPerOuterTest() const;
     /** U - U1 of a state, for an outer test. */
@@ -165,12 +165,12 @@ public:
     public:
         /** U - U1; infinite if U is. */
         double whole;
-        /** The energy of each part of the foreign Forces, while these are measured. */
+        /** The energy of each part of the foreign Forces, while the schedule measures them. */
         std::vector<double> foreign;
     };
     Difference computeDifference(TrialSession& trials);
     /**
-     * Take notice that a complete block of trials has led from one state to another.
+     * Take notice of a complete block of trials, with its first and last state.
      */
     void takeNoticeOfTest(const Difference& before, const Difference& after);
     /**
@@ -181,11 +181,11 @@ public:
         watch.judge();
     }
     /**
-     * Get U1 of the state, without what moves cannot change and without soft spheres.
+     * Get U1 of the state, without terms that moves cannot change and without soft spheres.
      */
     double getInnerEnergy();
     /**
-     * Save what is known about the state, or take notice that it was restored.
+     * Save the data of the state, or take notice that the state was restored.
      */
     void save()
     {
@@ -199,19 +199,19 @@ public:
         values = savedValues;
     }
     /**
-     * Make the stand-in of the present state, if there is one, and measure foreign Forces for outer tests again.
+     * Compute the stand-in for the present state, if there is one, and measure foreign Forces for outer tests again.
      */
     void renewStandIn();
     /**
-     * Get the numbers of the stand-in; none if there is none, or it was never made.
+     * Get the numbers of the stand-in; empty if there is none, or it was never computed.
      */
     const std::vector<double>& getStandIn() const
     {
         return standIn;
     }
     /**
-     * Set the numbers that getStandIn() returned. If they do not fit what is sampled, the next series of
-     * trials makes the stand-in.
+     * Set the numbers that getStandIn() returned. If they do not fit the Forces, the next series of trials computes the
+     * stand-in.
      */
     void setStandIn(const std::vector<double>& numbers);
     /**
@@ -238,7 +238,7 @@ public:
     static std::vector<double> readSchedule(const OpenMM::SerializationNode& node);
 
 private:
-    /** What the user has chosen that the plan depends on. */
+    /** The user's settings on which the plan depends. */
     class Choice {
     public:
         int groups;
@@ -253,7 +253,7 @@ private:
                    coreEnergy == other.coreEnergy && standIn == other.standIn;
         }
     };
-    /** The energies of the state that a stand-in replaces. */
+    /** The energies of the state for which trials use the stand-in. */
     class WholeEnergy {
     public:
         bool isCurrent;
@@ -363,8 +363,8 @@ private:
 };
 
 /**
- * Energies of values, which the scene evaluates as a whole. If outer tests evaluate them, the stage has no part
- * in trials. It comes after all stages of the scene.
+ * The energies of values, which the scene always evaluates as a whole. If outer tests evaluate them, the stage takes no
+ * part in trials. It comes after all other stages of the scene.
  */
 class ValueEnergyStage : public EnergyStage {
 public:

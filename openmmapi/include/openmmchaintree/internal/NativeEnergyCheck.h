@@ -13,14 +13,14 @@
 namespace ChainTreePlugin {
 
 /**
- * Compares energies of the Scene with OpenMM's own, Force by Force, so that a Force that was misread cannot
- * be sampled quietly. OpenMM's are those of copies of the native Forces in a Context of the Reference Platform.
+ * Compares energies of the Scene with OpenMM's own, Force by Force, so that an error in translation does not go
+ * unnoticed. OpenMM evaluates copies of the native Forces in a Context of the Reference Platform.
  */
 class OPENMM_EXPORT_CHAINTREE NativeEnergyCheck {
 public:
     /**
-     * Computes the energy of force groups in the main Context, the StericExclusionForce left out. The Context has to be
-     * at the positions that are compared.
+     * Computes the energy of force groups in the main Context, without the StericExclusionForce. The Context must have
+     * the positions that are compared.
      */
     typedef std::function<double(int groups)> GroupEnergy;
     /**
@@ -29,13 +29,13 @@ public:
     typedef std::function<std::unique_ptr<Scene>()> SceneMaker;
     NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan, const SceneMaker& makeScene);
     /**
-     * Throw an exception if the energy of a Force is not what OpenMM computes, within the accuracy of both.
+     * Throw an exception if the energy of a Force differs from OpenMM's by more than the accuracy of both.
      *
      * @param positions     the positions of the scene's state
-     * @param energies      the energy of each Force in it, as EnergyPlan::sumByForce() gives it
-     * @param groupEnergy   the main Context's energy, which is asked for groups that are wholly native; empty: none are
-     * @return whether this says much. At huge forces, as those of overlapping particles, a misread Force can hide in
-     * what rounding does to energies
+     * @param energies      the energy of each Force in it, from EnergyPlan::sumByForce()
+     * @param groupEnergy   the main Context's energy, for groups that are wholly native; empty if it is not compared
+     * @return whether the check is meaningful. At huge forces, as between overlapping particles, rounding can hide an
+     * error in translation
      */
     bool check(const std::vector<OpenMM::Vec3>& positions, const std::vector<double>& energies,
                const GroupEnergy& groupEnergy) const;

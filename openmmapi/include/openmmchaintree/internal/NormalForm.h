@@ -10,17 +10,18 @@
 namespace ChainTreePlugin {
 
 /**
- * An expression as a sum of products of powers, so that two ways to write the same can be told to be the same.
+ * An expression as a sum of products of powers, in which equal expressions that are written differently become the
+ * same.
  *
- * Some names are its variables. What does not depend on these is a coefficient, however it is written. Products of sums
- * are multiplied out, terms that differ in their coefficients alone are added, and terms and factors have a fixed
- * order. Two expressions of the same shape differ in their coefficients alone.
+ * Some names are its variables. A factor that does not depend on these is a coefficient. Products of sums are
+ * multiplied out, terms that differ in their coefficients alone are added, and terms and factors have a fixed order.
+ * Two expressions of the same shape differ in their coefficients alone.
  */
 class NormalForm {
 public:
     /**
      * @param expression  an expression
-     * @param variables   the names of its variables, and what the shape calls them
+     * @param variables   the names of its variables, and their names in the shape
      */
     NormalForm(const Lepton::ExpressionTreeNode& expression, const std::map<std::string, std::string>& variables);
     /**
@@ -31,7 +32,7 @@ public:
         return sum.shape;
     }
     /**
-     * Get the coefficients, in the order in which they stand in the shape. Those of one are among them.
+     * Get the coefficients, including 1, in their order in the shape.
      */
     std::vector<Lepton::ExpressionTreeNode> getCoefficients() const;
 
@@ -43,7 +44,7 @@ private:
         /** Empty if it is a sum. */
         std::string name;
         std::vector<Sum> arguments;
-        /** It without its coefficients, and with them. */
+        /** Its text without coefficients, and with them. */
         std::string shape, text;
     };
     class Factor {

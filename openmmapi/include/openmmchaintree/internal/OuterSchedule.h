@@ -7,14 +7,14 @@
 namespace ChainTreePlugin {
 
 /**
- * Chooses which foreign energies are left to outer tests, and after how many trials these come.
+ * Chooses which foreign energies are left to outer tests, and the number of trials to a test.
  *
  * The first tests measure by how much trials change each energy. They begin with few trials, and double their number as
  * long as more than half of the tests can be expected to keep their trials. An energy that changes too much even in the
- * fewest trials is decided about in each trial from then on. What was chosen is fixed afterwards.
+ * fewest trials decides each trial from then on. Afterwards the choice is fixed.
  *
- * Each test samples exp(-U/kT), whatever the number of trials before it. That number follows from tests that are past,
- * and changes between two series of trials alone, so nothing that is sampled after the choice depends on it.
+ * Each test samples exp(-U/kT) for any number of trials. The number follows from past tests, and changes only between
+ * two series of trials, so the choice has no influence on samples after it.
  */
 class OPENMM_EXPORT_CHAINTREE OuterSchedule {
 public:
@@ -22,8 +22,7 @@ public:
     /**
      * Begin a series of trials, and change to the next number of trials if enough was measured with this one.
      *
-     * @param energies  what tells the energies apart from those of another System. If it is not what it was, measuring
-     *                  starts again
+     * @param energies  identifies the energies. If it differs from the last call, measuring starts again
      * @param longest   the largest number of trials to a test
      */
     void begin(const std::vector<int>& energies, int longest);
@@ -56,18 +55,18 @@ public:
      * Take notice of a test of getTrialsPerTest() trials while measuring.
      *
      * @param changes  by how much the trials changed each energy that is left to the tests, in kT; others do not matter
-     * @param change   by how much they changed all that the test decides about
+     * @param change   by how much they changed the whole energy of the test
      */
     void add(const std::vector<double>& changes, double change);
     /**
-     * Get or set all that the choice depends on, for checkpoints; nothing as long as there are no energies. Numbers
-     * that make no sense start measuring again.
+     * Get or set the state of the choice, for checkpoints; empty if there are no energies. Invalid numbers start
+     * measuring again.
      */
     std::vector<double> getNumbers() const;
     void setNumbers(const std::vector<double>& numbers);
 
 private:
-    /** What was measured of one energy. */
+    /** Measurements of one energy. */
     class Spread {
     public:
         void add(double change);
@@ -75,9 +74,9 @@ private:
         {
             return acceptance < acceptanceBack ? acceptance : acceptanceBack;
         }
-        /** Whether tests that decide by these changes alone keep their trials more often than not, either way. */
+        /** Whether tests of these changes alone, and of the opposite changes, keep their trials more often than not. */
         bool isSmall() const;
-        /** The number of changes, and with which probability tests keep them, and would keep the opposite ones. */
+        /** The number of changes, and the probabilities that tests keep them and the opposite changes. */
         double count = 0, acceptance = 0, acceptanceBack = 0;
     };
     void beginRound();
@@ -86,9 +85,9 @@ private:
     std::vector<int> energies;
     std::vector<char> left;
     bool measuring;
-    /** How often the number of trials was raised, and what it is. */
+    /** The number of increases of the number of trials, and the number of trials. */
     int level, trials;
-    /** Of each energy, and of all that tests decide about. */
+    /** Of each energy, and of the sum of those that tests decide about. */
     std::vector<Spread> spreads;
     Spread whole;
 };

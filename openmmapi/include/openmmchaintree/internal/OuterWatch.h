@@ -9,9 +9,9 @@ namespace ChainTreePlugin {
 /**
  * Watches whether outer tests keep enough of the trials, and warns once if they do not.
  *
- * What trials see may be so far from U that a chain sits for a long time in a state that they misjudge. The ensemble is
- * right, but means and error estimates of a run say nothing. With few trials to a test, most tests pass even then, by
- * trials that hardly change the difference. Its standard deviation shows that, too.
+ * The energy U1 of trials may be so far from U that a chain stays for a long time in states that U1 misjudges. The
+ * ensemble is right, but means and error estimates of a run are meaningless. With few trials to a test, most tests pass
+ * even then, because their trials hardly change U - U1. The standard deviation of U - U1 shows that, too.
  */
 class OPENMM_EXPORT_CHAINTREE OuterWatch {
 public:
@@ -22,11 +22,11 @@ public:
      */
     void add(double change);
     /**
-     * Warn if the last tests were enough to tell, and showed that trials are far from U.
+     * Warn if there were enough tests since the last call, and they show that U1 is far from U.
      */
     void judge();
     /**
-     * Forget all tests: what they decide about has changed.
+     * Forget all tests, because the energies have changed.
      */
     void restart();
 

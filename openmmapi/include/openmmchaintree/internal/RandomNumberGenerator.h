@@ -47,7 +47,7 @@ public:
     }
     /**
      * Draw a number from the normal distribution of mean 0 and variance 1, by Marsaglia's polar method. The second
-     * number that it could give is not kept, so that all numbers to come are decided by the engine alone.
+     * number of the method is discarded, so that the engine's state is the whole state.
      */
     double drawNormal()
     {
@@ -79,8 +79,7 @@ public:
     }
     /**
      * Draw a rotation vector: about an axis in any direction, by an angle from -limit to limit. If the limit is pi, or
-     * more by rounding, all rotations are equally likely: the density of the angle is (1 - cos(angle))/(2 pi) then, not
-     * uniform.
+     * more by rounding, all rotations are equally likely: then the density of the angle is (1 - cos(angle))/(2 pi).
      */
     OpenMM::Vec3 drawRotation(double limit)
     {
@@ -93,7 +92,7 @@ public:
     }
 
     /**
-     * Get what decides all numbers still to be drawn.
+     * Get the state, which determines all further numbers.
      */
     std::string getState() const
     {

@@ -18,7 +18,7 @@ namespace ChainTreePlugin {
 class SceneDefinition {
 public:
     SceneDefinition(const StericExclusionForce& force, const LinkStructure& structure);
-    /** What StericExclusionForce::updateParametersInContext() changes. */
+    /** The values that StericExclusionForce::updateParametersInContext() changes. */
     struct Parameters {
         explicit Parameters(const StericExclusionForce& force);
         double getTolerance(int particle1, int particle2) const;
@@ -39,7 +39,7 @@ public:
      */
     ctDefinition describe(const std::vector<OpenMM::Vec3>& positions) const;
     Parameters parameters;
-    /** The particles without a radius that stand in leaves because the energy needs them; empty if there are none. */
+    /** Marks particles without a radius that are in leaves because the energy needs them; empty if there are none. */
     std::vector<uint8_t> listed;
     std::vector<int> torsionLinks, ballJointLinks, moleculeRoots;
 

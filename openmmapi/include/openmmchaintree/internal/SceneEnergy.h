@@ -31,22 +31,21 @@ public:
      */
     void countChangeableTerms(std::vector<int>& counts);
     /**
-     * Compute the energy of the state, unless the energy that is held is already that of the state. With force, compute
-     * it anyway. Returns whether it was computed.
+     * Compute the energy of the state, unless it is known. With `force`, compute it anyway. Returns whether it was
+     * computed.
      */
     bool update(bool force);
     /**
-     * Get the energy of the last update() or accepted trial. The energy of pairs is that of the stand-in, if there is
-     * one.
+     * Get the energy after the last update() or accepted trial. The energy of pairs is the stand-in's, if there is one.
      */
     void getEnergies(double& pairs, std::vector<double>& pairSets, std::vector<double>& termSets);
     /**
-     * Compute by how much the open trial changes a part of the energy, in the order of the parts. If a trial is
-     * accepted before all parts were computed, update() computes the whole energy.
+     * Compute by how much the open trial changes a part of the energy. Call this in the order of the parts. If a trial
+     * is accepted before all parts were computed, the next update() computes the whole energy.
      */
     double computeEnergyChange(ctEnergyPart part);
     /**
-     * Get the change of near pairs on the way back, after all parts were computed. See ctGetNearChangeBack().
+     * Get the change of near pairs in the reverse trial, after all parts were computed. See ctGetNearChangeBack().
      */
     double getNearChangeBack();
     /**
@@ -54,16 +53,16 @@ public:
      */
     void computeWhole(double& nonbonded, double& born);
     /**
-     * Compute the energies of EnergyTerms::valueEnergies, of the state or of the open trial. They are not held.
+     * Compute the energies of EnergyTerms::valueEnergies, of the state or of the open trial. The results are not kept.
      */
     void computeValues(bool inTrial, std::vector<double>& energies);
     /**
-     * Make the stand-in of the present state, and compute the energy with it.
+     * Compute the stand-in for the present state, and the energy with it.
      */
     void renewStandIn();
     /**
-     * Get or set the numbers of the stand-in; there are none if there is no stand-in. They hold in any state, until
-     * setTerms() is called.
+     * Get or set the numbers of the stand-in; empty if there is none. They apply in any state, until setTerms() is
+     * called.
      */
     void getStandIn(std::vector<double>& numbers);
     void setStandIn(const std::vector<double>& numbers);
@@ -81,7 +80,7 @@ private:
     std::vector<uint8_t> findListed() const;
     int getStandInSize() const;
     /**
-     * Forget the energy, because its tree ends.
+     * Free the energy, because its tree ends.
      */
     void reset();
     void accept();
@@ -89,7 +88,7 @@ private:
     void restore();
     Scene& scene;
     EnergyTerms terms;
-    /** The library's energy. It is made when it is asked for, from the scene's tree. */
+    /** The library's energy, which is made from the scene's tree at its first use. */
     Handle energy;
     /** The numbers of the stand-in, which outlive the tree; empty until they are set or renewed. */
     std::vector<double> standIn;

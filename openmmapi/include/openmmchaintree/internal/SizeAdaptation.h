@@ -7,8 +7,8 @@
 namespace ChainTreePlugin {
 
 /**
- * Finds the size at which a move has the acceptance that is wished, from its trials alone: it scales sizes by a factor
- * of at most 1, after each block of trials, by less and less. Nothing else has an influence, such as time.
+ * Finds the size at which a move has the wanted acceptance: after each block of trials it changes a factor of at most
+ * 1, by less and less. This depends on the trials alone, never on time.
  */
 class OPENMM_EXPORT_CHAINTREE SizeAdaptation {
 public:
@@ -16,17 +16,17 @@ public:
     static constexpr double AIM = 0.4;
     /** The number of trials from which the acceptance is estimated. */
     static const int BLOCK = 100;
-    /** No scale is less. */
+    /** The least scale. */
     static constexpr double LEAST_SCALE = 1e-4;
     /**
      * Take notice of a trial.
      *
      * @param accepted  whether it was accepted
-     * @param scale     the scale that it had
+     * @param scale     the scale of the trial
      * @return the scale of the next trial
      */
     double countTrial(bool accepted, double scale);
-    /** What decides all scales to come, for checkpoints: blocks that are complete, and the counts of the present one.
+    /** The state, for checkpoints: the number of complete blocks, and the counts of the present one.
      */
     typedef std::array<long long, 3> State;
     State getState() const

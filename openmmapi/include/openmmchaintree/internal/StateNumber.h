@@ -7,13 +7,13 @@
 namespace ChainTreePlugin {
 
 /**
- * Write a number so that it is read as the same one, in as few digits as this takes.
+ * Write a number with the fewest digits from which it can be read exactly.
  */
 std::string writeNumber(double value);
 
 /**
- * Set a property of a State to a number, as SerializationNode::setDoubleProperty() does. That shares memory among all
- * threads, and OpenMM gets States while other threads of Python go on.
+ * Set a property of a State to a number, as SerializationNode::setDoubleProperty() does. That method shares memory
+ * among all threads, and OpenMM gets States while other Python threads run.
  */
 OpenMM::SerializationNode& setNumber(OpenMM::SerializationNode& node, const std::string& name, double value);
 

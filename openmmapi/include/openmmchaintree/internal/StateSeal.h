@@ -8,26 +8,26 @@
 namespace ChainTreePlugin {
 
 /**
- * Write into a node by what one knows that nothing in or below it has changed.
+ * Write a checksum of a node and its children into it.
  */
 void seal(OpenMM::SerializationNode& node);
 
 /**
- * Throw an exception if a node is not as it was when it was sealed.
+ * Throw an exception if a node has changed since seal().
  */
 void checkSeal(const OpenMM::SerializationNode& node);
 
 /**
- * Write what tells the positions, velocities, box, parameters and time of a Context from others. OpenMM keeps these in
+ * Write checksums of the positions and velocities of a Context, and its box, parameters and time. OpenMM keeps these in
  * the same State, without a checksum.
  */
 void writeTraits(OpenMM::SerializationNode& node, OpenMM::ContextImpl& context);
 
 /**
- * Throw an exception if what writeTraits() wrote shows that a Context was given damaged values: its box or time are
- * others, which every State sets, or one coordinate or velocity alone is, which is no State without positions.
+ * Throw an exception if a comparison with the result of writeTraits() shows damage: the box or time differs, which
+ * every State sets, or a single coordinate or velocity does.
  *
- * @param others  becomes what else differs, as "velocities and parameters"; the State may not have held these
+ * @param others  becomes a list of other differences, as "velocities"; the State may not have held these
  */
 void checkTraits(const OpenMM::SerializationNode& node, OpenMM::ContextImpl& context, std::string& others);
 

@@ -18,7 +18,7 @@ namespace ChainTreePlugin {
 StericExclusionForceImpl& findStericExclusionForce(OpenMM::ContextImpl& context);
 
 /**
- * Get the particles of each constraint that are not in one link, and might move relative to each other.
+ * Get the pairs of particles of constraints that are in different links and might move relative to each other.
  */
 std::vector<std::pair<int, int>> findConstraintsBetweenLinks(const OpenMM::System& system,
                                                              const LinkStructure& structure);
@@ -41,28 +41,27 @@ void checkHardSpheres(const OpenMM::System& system);
 void warnOfViolatedConstraints(const OpenMM::System& system, const std::vector<OpenMM::Vec3>& positions);
 
 /**
- * Get an Integrator, or if it is a CompoundIntegrator all that it holds.
+ * Get an Integrator, or all Integrators of a CompoundIntegrator.
  */
 std::vector<const OpenMM::Integrator*> findIntegrators(const OpenMM::Integrator& integrator);
 
 /**
- * Get whether an Integrator that is no CompoundIntegrator is none of ours.
+ * Get whether an Integrator, which is no CompoundIntegrator, is not a TorsionMonteCarloIntegrator.
  */
 bool isOfDynamics(const OpenMM::Integrator& integrator);
 
 /**
- * Get whether an Integrator, or one of those in a CompoundIntegrator, is none of ours.
+ * Get whether an Integrator, or one in a CompoundIntegrator, is not a TorsionMonteCarloIntegrator.
  */
 bool hasDynamics(const OpenMM::Integrator& integrator);
 
 /**
- * Get whether an Integrator, or one of those in a CompoundIntegrator, begins its steps without a word to the Forces.
+ * Get whether an Integrator, or one in a CompoundIntegrator, begins its steps without calling updateContextState().
  */
 bool hasSilentSteps(const OpenMM::Integrator& integrator);
 
 /**
- * Get whether a TorsionMonteCarloIntegrator, or one of those in a CompoundIntegrator, has the steric mode Off in its
- * Context.
+ * Get whether a TorsionMonteCarloIntegrator, or one in a CompoundIntegrator, has the steric mode Off in its Context.
  */
 bool hasSpheresOff(const OpenMM::Integrator& integrator);
 

@@ -16,13 +16,13 @@ namespace ChainTreePlugin {
 int countArguments(const OpenMM::TabulatedFunction& function);
 
 /**
- * Make a function that Copy() has made periodic if the original is: Copy() forgets that.
+ * Make a copy periodic if the original is. Copy() does not copy this property.
  */
 void restorePeriod(const OpenMM::TabulatedFunction& original, OpenMM::TabulatedFunction& copy);
 
 /**
- * Give a new Force what all kinds of Forces have, and the global parameters, derivatives and tables of another. The
- * constructor that copies would let both own the same tables.
+ * Copy the properties of all kinds of Forces, global parameters, derivatives and tables to a new Force. After the copy
+ * constructor both Forces would own the same tables.
  */
 template <class Force>
 void copyGlobals(const Force& from, Force& to)
@@ -52,7 +52,7 @@ bool translateTable(const OpenMM::TabulatedFunction& function, EnergyTerms::Tabl
 std::unique_ptr<Lepton::CustomFunction> createFunction(const OpenMM::TabulatedFunction& function);
 
 /**
- * The tabulated functions of a Force, as the parser takes them.
+ * The tabulated functions of a Force in the form that the parser takes.
  */
 class TabulatedFunctions {
 public:

@@ -11,20 +11,20 @@
 namespace ChainTreePlugin {
 
 /**
- * Get the torsions of the backbones of all molecules. A backbone begins at the root of a molecule and continues with
- * the torsion that moves most particles, to the end of the chain. A branch has a backbone, too, if that has at least 8
- * torsions, which is more than side chains of proteins and nucleic acids have.
+ * Get the torsions of the backbones of all molecules. A backbone begins at the root of a molecule and follows the
+ * torsion that moves most particles, to the end of the chain. A branch is a backbone, too, if it has at least 8
+ * torsions, more than side chains of proteins and nucleic acids have.
  */
 OPENMM_EXPORT_CHAINTREE std::vector<int> findBackboneTorsions(const LinkStructure& structure);
 
 /**
- * Get the torsions that moves of windows choose from: those given, or those of the backbones if none are. Those in
- * rings of closures are left out, unless the move keeps closures.
+ * Get the torsions that moves of windows choose from: the given ones or, if none are given, the torsions of the
+ * backbones. Torsions in rings of closures are left out, unless the move keeps closures.
  *
- * Throws an exception if there are no torsions, or if one that is given does not exist, is given twice, or lies in the
- * ring of a closure that the move does not keep.
+ * Throws an exception if there are no torsions, or if a given one does not exist, is given twice, or lies in the ring
+ * of a closure that the move does not keep.
  *
- * @param name          what to call the move when throwing an exception
+ * @param name          the move's name in exceptions
  * @param keepsClosures whether the move keeps closures
  */
 OPENMM_EXPORT_CHAINTREE std::vector<int> findWindowTorsions(const LinkStructure& structure,
@@ -33,7 +33,7 @@ OPENMM_EXPORT_CHAINTREE std::vector<int> findWindowTorsions(const LinkStructure&
 
 /**
  * Get all windows: rows of consecutive torsions of a pool, the one nearest to the root first. Each torsion of a window
- * moves the axes of all after it. Torsions between them that are not of the pool stay as they are.
+ * moves the axes of all after it. Torsions between them that are not in the pool do not turn.
  *
  * For each torsion of the pool there is the window of `size` torsions that ends with it. Where a chain begins or ends,
  * there are also the shorter windows that begin or end with it, so that a torsion there is in as many as others.
@@ -42,7 +42,7 @@ OPENMM_EXPORT_CHAINTREE std::vector<std::vector<int>> findTorsionWindows(const L
                                                                          const std::vector<int>& pool, int size);
 
 /**
- * A torsion of a window, and whether the window leads from what it moves to the root's side.
+ * A torsion of a window, and whether the window runs towards the root there.
  */
 class WindowStep {
 public:
@@ -51,7 +51,7 @@ public:
 };
 
 /**
- * The axis of each torsion of a window: the places of its two particles in a list, in the window's direction.
+ * The axis of each torsion of a window: the indices of its two particles in a list, in the window's direction.
  */
 typedef std::vector<std::pair<int, int>> WindowAxes;
 
@@ -72,7 +72,7 @@ OPENMM_EXPORT_CHAINTREE WindowAxes findWindowAxes(const LinkStructure& structure
 /**
  * Get the unit vector of an axis, in the window's direction.
  *
- * @param positions  those of the particles that findWindowAxes() has listed
+ * @param positions  the positions of the particles that findWindowAxes() has listed
  */
 OPENMM_EXPORT_CHAINTREE OpenMM::Vec3 getAxisDirection(const std::vector<OpenMM::Vec3>& positions,
                                                       const std::pair<int, int>& axis);

@@ -12,12 +12,11 @@ class StericExclusionForceImpl;
 
 /**
  * A TrialSession is a series of trials on the state of a StericExclusionForce, one after another: each is proposed,
- * tested, and accepted or rejected. Every trial goes this way, those of TorsionMonteCarloIntegrator as well as those
- * that users propose by StericExclusionForce.
+ * tested, and accepted or rejected. Trials of TorsionMonteCarloIntegrator and trials that users propose by
+ * StericExclusionForce all run in a TrialSession.
  *
  * The session begins and ends with its scope. Until it ends, the scene's state is ahead of the Context's positions and
- * velocities. If an exception ends it, the Context is where the accepted
- * trials have led.
+ * velocities. If an exception ends it, the Context gets the state after the accepted trials.
  */
 class TrialSession {
 public:
@@ -37,7 +36,7 @@ public:
         IgnoreLimits
     };
     /**
-     * Take notice of the Context's positions. A trial that a user has left open stays open until another is proposed.
+     * Take notice of the Context's positions. An open trial of a user remains open until another is proposed.
      *
      * @param scene  the scene of the force for trials of users, getTrialScene() for trials of integrators
      */
@@ -45,7 +44,7 @@ public:
     TrialSession(const TrialSession&) = delete;
     TrialSession& operator=(const TrialSession&) = delete;
     /**
-     * Do what end() does, unless it was called.
+     * Calls end(), unless it was called.
      */
     ~TrialSession();
     /**
@@ -53,7 +52,7 @@ public:
      */
     void end();
     /**
-     * Let the open trial outlive the session.
+     * Keep the trial open when the session ends.
      */
     void leaveOpen();
     /**
@@ -129,11 +128,11 @@ private:
     OpenMM::ContextImpl& context;
     Scene& scene;
     Limits limits;
-    /** Whether the trial that is open, if one is, ends with this session. */
+    /** Whether the open trial, if any, ends with this session. */
     bool ownsTrial;
     /** Whether the Context may not have the positions of the state. */
     bool contextIsBehind;
-    /** Whether links may have turned since the session began, and velocities in the Context have not. */
+    /** Whether links may have turned since the session began without the velocities in the Context. */
     bool velocitiesAreBehind;
 };
 

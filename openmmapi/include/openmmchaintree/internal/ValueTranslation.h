@@ -9,8 +9,8 @@
 namespace ChainTreePlugin {
 
 /**
- * Translate a CustomGBForce without periodic cutoff, whatever its expressions are. Returns an empty text, or else one
- * clause that says why it cannot be translated.
+ * Translate a CustomGBForce without periodic cutoff and with any expressions. Returns an empty text, or else one clause
+ * that says why it cannot be translated.
  */
 std::string translateValues(const OpenMM::CustomGBForce& force, const NativeForceKind::Parameters& parameters,
                             EnergyTerms::ValueEnergy& energy);

@@ -13,30 +13,28 @@
 namespace ChainTreePlugin {
 
 /**
- * This class turns the velocities in a Context with the links that trials have turned, so that dynamics can continue
- * from there: v' = R v, R being the rotation of the particle's link from before a series of trials to after it. Where a
- * CMMotionRemover takes the momentum of the System away, the velocities keep it; ctvelocities.h says how, and why it is
- * exact.
+ * Turns the velocities in a Context with the links that trials have turned, so that dynamics can continue: v' = R v,
+ * where R is the rotation of the particle's link by a series of trials. If the System has a CMMotionRemover, the turned
+ * velocities keep the momentum; ctvelocities.h explains the method.
  *
- * Most integrators keep velocities of half a step before the positions, which depend on the forces there. So when
- * dynamics resumes, the velocities are also rotated from the accelerations where it paused, turned with the links, to
- * those where it resumes; ctvelocities.h says how. That takes two evaluations of forces for each turn of the two, and
- * is as exact as leaving it out: it only avoids the heat that each such turn would else bring, of the second order in
- * the time step.
+ * Most integrators keep the velocities of half a step before the positions, which depend on the forces there. So when
+ * dynamics resumes, the velocities are also rotated from the turned accelerations at the pause to the accelerations at
+ * the resumption; see ctvelocities.h. This takes two evaluations of forces per change between dynamics and trials.
+ * Sampling is exact without it, but each change would heat the System, in second order of the time step.
  *
- * Kinetic energy stays, and so do constraints within a link and along the axis of a torsion, with the determinant of
- * their Jacobian. Other constraints do not, and then no velocities can be turned: beside dynamics that is an error.
+ * This keeps the kinetic energy, and constraints within a link and along the axis of a torsion with the determinant of
+ * their Jacobian. With other constraints, velocities cannot be turned, which is an error beside dynamics.
  */
 class VelocityTurner {
 public:
     VelocityTurner(const OpenMM::System& system, const LinkStructure& structure);
     /**
-     * Take notice that all Integrators in the Context make trials. Until velocitiesWereSet(),
-     * they are taken for 0. If they cannot be turned, the user is warned.
+     * Take notice that all Integrators in the Context make trials. Until velocitiesWereSet(), velocities are taken for
+     * 0. If they cannot be turned, the user is warned.
      */
     void expectNoDynamics();
     /**
-     * Throw an exception that names the constraint because of which velocities cannot be turned, if there is one.
+     * Throw an exception if a constraint, which it names, prevents turning velocities.
      */
     void requireTurnable() const;
     /**
@@ -48,11 +46,11 @@ public:
      */
     bool findVelocities(OpenMM::ContextImpl& context);
     /**
-     * Take notice that steps of trials begin, where dynamics may have paused.
+     * Take notice that steps of trials begin: dynamics may pause here.
      */
     void pauseDynamics(OpenMM::ContextImpl& context);
     /**
-     * Take notice that an Integrator is about to begin a step, and whether it is one of trials.
+     * Set whether the step that an Integrator is about to begin consists of trials.
      */
     void announceStep(bool isOfTrials)
     {
@@ -63,7 +61,7 @@ public:
      */
     bool beginStep(OpenMM::ContextImpl& context);
     /**
-     * Forget where dynamics has paused.
+     * Forget the pause of dynamics.
      */
     void forgetPause()
     {
@@ -75,7 +73,7 @@ public:
      */
     void begin(OpenMM::ContextImpl& context, Scene& scene);
     /**
-     * End a series: turn the velocities in the Context by what has become of the state since begin().
+     * End a series: turn the velocities in the Context by the rotations since begin().
      */
     void end(OpenMM::ContextImpl& context, Scene& scene);
 
@@ -90,10 +88,10 @@ private:
     /** Why velocities cannot be turned; empty if they can. */
     std::string refusal;
     bool dynamicsIsExpected, mayHaveVelocities, hasWarned, isSetting, trialsFollow;
-    /** Accelerations where dynamics has paused, in any unit, turned with the links since. */
+    /** Accelerations at the pause of dynamics, in any unit, turned with the links since. */
     bool hasPaused;
     std::vector<OpenMM::Vec3> push;
-    /** What begin() has found, if there is anything to turn. */
+    /** The velocities and orientations at begin(), if there are velocities to turn. */
     bool hasBegun;
     std::vector<OpenMM::Vec3> velocities;
     mutable std::vector<std::array<double, 9>> before, turns;

@@ -7,15 +7,15 @@
 namespace ChainTreePlugin {
 
 /**
- * Tell the user of something that is allowed, but perhaps not what was meant. OpenMM has no way for this. It goes to
- * the standard error stream unless setWarningHandler() says otherwise.
+ * Warn the user. OpenMM has no function for this. Warnings go to the standard error stream unless setWarningHandler()
+ * sets another function.
  */
 void warn(const std::string& message);
 
 /**
- * Say who is to tell the user. The Python module hands warnings to Python's own.
+ * Set the function that shows warnings. The Python module passes them to Python's warnings.
  *
- * @param handler  what to call with the message of each warning. It may throw an OpenMMException.
+ * @param handler  called with the message of each warning. It may throw an OpenMMException.
  */
 OPENMM_EXPORT_CHAINTREE void setWarningHandler(void (*handler)(const std::string& message));
 
