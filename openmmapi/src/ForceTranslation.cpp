@@ -18,7 +18,7 @@ using namespace std;
 // ---- Kinds ----
 
 /**
- * Get all kinds by their classes. Kinds make themselves known before main() begins, in an order that nobody knows.
+ * Get all kinds by their classes. They are registered before main() begins, in undefined order.
  */
 static map<type_index, const NativeForceKind*>& knownKinds()
 {
@@ -26,8 +26,7 @@ static map<type_index, const NativeForceKind*>& knownKinds()
     return kinds;
 }
 
-NativeForceKind::NativeForceKind(const type_info& type, Translator& translate, Copier& copy, Need need) :
-    translate(translate), copy(copy), needsPairs(need == NeedsPairs)
+void NativeForceKind::add(const type_info& type)
 {
     knownKinds()[type] = this;
 }
@@ -66,7 +65,7 @@ string ChainTreePlugin::checkBornPartners(const EnergyTerms& terms)
     return "";
 }
 
-// ---- What a Context refuses, but what a Force may have become since then ----
+// ---- Checks that a Context has made, but that a Force may fail since then ----
 
 static const char NO_NUMBER[] = "one of its parameters is infinite or not a number";
 static const char WRONG_COUNT[] = "it has not as many particles as the System";
@@ -193,7 +192,7 @@ static string check(const EnergyTerms::ValueEnergy& energy, int numParticles)
 namespace {
 
 /**
- * How much there is of terms.
+ * The numbers of terms of each kind.
  */
 class Size {
 public:
@@ -203,7 +202,7 @@ public:
     {
     }
     /**
-     * Remove what was appended since.
+     * Remove terms that were appended since.
      */
     void restore(EnergyTerms& terms) const
     {
@@ -231,8 +230,8 @@ string ChainTreePlugin::getClassName(const Force& force)
 }
 
 /**
- * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; it may have appended
- * something then.
+ * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; then the terms may be
+ * incomplete.
  */
 static string append(const Force& force, int index, const System& system, const NativeForceKind::Parameters& parameters,
                      EnergyTerms& terms)
@@ -241,7 +240,7 @@ static string append(const Force& force, int index, const System& system, const 
     if (kind == NULL)
         return "openmm-chaintree has no code for a " + getClassName(force);
     const Size before(terms);
-    string reason = kind->translate(force, index, system, parameters, terms);
+    string reason = kind->translate(force, {index, system, parameters}, terms);
     if (reason.empty() && force.usesPeriodicBoundaryConditions())
         reason = "it uses periodic boundary conditions";
     auto checkNew = [&](auto& parts, size_t first) {

@@ -2,6 +2,8 @@
 #include "lepton/Operation.h"
 #include "lepton/ParsedExpression.h"
 #include "lepton/Parser.h"
+#include <cmath>
+#include <limits>
 
 using namespace ChainTreePlugin;
 using namespace std;
@@ -55,7 +57,7 @@ double ParticleExpressions::computeNumber(const ExpressionTreeNode& node) const
 // ---- Dependence on particles ----
 
 /**
- * Find the parameter that a node names. Returns its index and the particle; an index of -1 if it names none.
+ * Find the parameter that a node names. Returns its index and the particle; an index of -1 if there is none.
  */
 static pair<int, int> findParameter(const ExpressionTreeNode& node, const vector<string>& names)
 {
@@ -107,4 +109,11 @@ bool ParticleExpressions::isSeparable(const ExpressionTreeNode& node, bool produ
     default:
         return false;
     }
+}
+
+bool ChainTreePlugin::areSameInEitherOrder(double energy, double reversedEnergy)
+{
+    if (!isfinite(energy) || !isfinite(reversedEnergy))
+        return isfinite(energy) == isfinite(reversedEnergy);
+    return abs(energy - reversedEnergy) <= 1e-9 * (abs(energy) + abs(reversedEnergy)) + numeric_limits<double>::min();
 }

@@ -14,9 +14,6 @@ using namespace std;
 
 typedef ParticleExpressions::Variables Variables;
 
-/** How often the order of two particles is tried. */
-static const int NUM_TRIED_PAIRS = 500;
-
 namespace {
 
 /**
@@ -80,7 +77,7 @@ ValueTranslator::ValueTranslator(const CustomGBForce& force, const NativeForceKi
 }
 
 /**
- * Name the parameters of a particle, and as many of its values.
+ * Name the parameters of a particle, and its first values.
  */
 void ValueTranslator::addNames(ExpressionTranslator& translator, const string& suffix, int numValues) const
 {
@@ -117,16 +114,9 @@ string ValueTranslator::add(const Computation& computation, int numValues,
     return reason;
 }
 
-static bool areSame(double energy1, double energy2)
-{
-    if (!isfinite(energy1) || !isfinite(energy2))
-        return isfinite(energy1) == isfinite(energy2);
-    return abs(energy1 - energy2) <= 1e-9 * (abs(energy1) + abs(energy2)) + numeric_limits<double>::min();
-}
-
 /**
- * Get whether the energy of two particles is the same in either order, as users are asked to see to. This tries
- * particles, values and distances at random.
+ * Get whether the energy of two particles is the same in either order, as OpenMM requires. This tries random particles,
+ * values and distances.
  */
 bool ValueTranslator::isSymmetric(const string& expression) const
 {
@@ -145,7 +135,7 @@ bool ValueTranslator::isSymmetric(const string& expression) const
             there[value.name + "1"] = back[value.name + "2"] = number(random);
             there[value.name + "2"] = back[value.name + "1"] = number(random);
         }
-        if (!areSame(compute(particle1, particle2, there), compute(particle2, particle1, back)))
+        if (!areSameInEitherOrder(compute(particle1, particle2, there), compute(particle2, particle1, back)))
             return false;
     }
     return true;

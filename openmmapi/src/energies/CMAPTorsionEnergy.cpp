@@ -6,11 +6,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCMAPTorsions(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+static string translateCMAPTorsions(const CMAPTorsionForce& force, const NativeForceKind::Setting& setting,
                                     EnergyTerms& terms)
 {
-    const CMAPTorsionForce& force = dynamic_cast<const CMAPTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctTorsionMapTerm, 8, 1);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctTorsionMapTerm, 8, 1);
     for (int i = 0; i < force.getNumMaps(); i++) {
         EnergyTerms::Map map;
         vector<double> energies;
@@ -31,4 +30,4 @@ static string translateCMAPTorsions(const Force& owner, int index, const System&
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CMAPTorsionForce), translateCMAPTorsions, copyForce<CMAPTorsionForce>);
+static const NativeForceKind KIND(translateCMAPTorsions);

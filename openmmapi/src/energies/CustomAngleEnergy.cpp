@@ -6,18 +6,14 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomAngles(const Force& owner, int index, const System&,
-                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomAngles(const CustomAngleForce& force, const NativeForceKind::Setting& setting,
+                                    EnergyTerms& terms)
 {
-    const CustomAngleForce& force = dynamic_cast<const CustomAngleForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 3, force.getNumPerAngleParameters());
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctExpressionTerm, 3, force.getNumPerAngleParameters());
     ExpressionTranslator translator(set);
     translator.addInput("theta", {ctMeasureAngle, {0, 1, 2}});
-    for (int i = 0; i < force.getNumPerAngleParameters(); i++)
-        translator.addParameter(force.getPerAngleParameterName(i));
-    for (int i = 0; i < force.getNumGlobalParameters(); i++)
-        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
-    const string reason = translator.translate(force.getEnergyFunction());
+    const string reason = translator.translateTerms(force, &CustomAngleForce::getPerAngleParameterName,
+                                                    set.parametersPerTerm, setting.parameters);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumAngles(); i++) {
@@ -30,4 +26,4 @@ static string translateCustomAngles(const Force& owner, int index, const System&
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomAngleForce), translateCustomAngles, copyForce<CustomAngleForce>);
+static const NativeForceKind KIND(translateCustomAngles);

@@ -6,18 +6,14 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomBonds(const Force& owner, int index, const System&,
-                                   const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomBonds(const CustomBondForce& force, const NativeForceKind::Setting& setting,
+                                   EnergyTerms& terms)
 {
-    const CustomBondForce& force = dynamic_cast<const CustomBondForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 2, force.getNumPerBondParameters());
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctExpressionTerm, 2, force.getNumPerBondParameters());
     ExpressionTranslator translator(set);
     translator.addInput("r", {ctMeasureDistance, {0, 1}});
-    for (int i = 0; i < force.getNumPerBondParameters(); i++)
-        translator.addParameter(force.getPerBondParameterName(i));
-    for (int i = 0; i < force.getNumGlobalParameters(); i++)
-        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
-    const string reason = translator.translate(force.getEnergyFunction());
+    const string reason = translator.translateTerms(force, &CustomBondForce::getPerBondParameterName,
+                                                    set.parametersPerTerm, setting.parameters);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumBonds(); i++) {
@@ -30,4 +26,4 @@ static string translateCustomBonds(const Force& owner, int index, const System&,
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomBondForce), translateCustomBonds, copyForce<CustomBondForce>);
+static const NativeForceKind KIND(translateCustomBonds);

@@ -8,9 +8,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static Force* copyCustomCentroidBonds(const Force& force)
+static Force* copyCustomCentroidBonds(const CustomCentroidBondForce& original)
 {
-    const CustomCentroidBondForce& original = dynamic_cast<const CustomCentroidBondForce&>(force);
     unique_ptr<CustomCentroidBondForce> copy(
         new CustomCentroidBondForce(original.getNumGroupsPerBond(), original.getEnergyFunction()));
     copyBondExpression(original, *copy);
@@ -24,21 +23,20 @@ static Force* copyCustomCentroidBonds(const Force& force)
     return copy.release();
 }
 
-// Each trial that changes a bond reads all its particles. More would take longer than the rest of a trial.
+// Each trial that changes a bond reads all its particles. With more, this would take longer than the rest of a trial.
 
 static const size_t MOST_PARTICLES_OF_GROUP = 1000;
 
 /**
- * All groups get as many particles as the largest one: their first one again, without a weight.
+ * All groups are filled up to the size of the largest one by their first particle with weight 0.
  */
-static string translateCustomCentroidBonds(const Force& owner, int index, const System& system,
-                                           const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomCentroidBonds(const CustomCentroidBondForce& force,
+                                           const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    const CustomCentroidBondForce& force = dynamic_cast<const CustomCentroidBondForce&>(owner);
     const int numGroups = force.getNumGroupsPerBond();
     vector<vector<int>> groups(force.getNumGroups());
     vector<vector<double>> weights, unused(force.getNumGroups());
-    CustomCentroidBondForceImpl::computeNormalizedWeights(force, system, weights);
+    CustomCentroidBondForceImpl::computeNormalizedWeights(force, setting.system, weights);
     size_t size = 1;
     for (int i = 0; i < force.getNumGroups(); i++) {
         force.getGroupParameters(i, groups[i], unused[i]);
@@ -50,10 +48,10 @@ static string translateCustomCentroidBonds(const Force& owner, int index, const 
         groups[i].resize(size, groups[i].at(0));
         weights[i].resize(size, 0);
     }
-    EnergyTerms::TermSet set =
-        createTermSet(index, ctCentroidTerm, numGroups * size, force.getNumPerBondParameters() + numGroups * size);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctCentroidTerm, numGroups * size,
+                                             force.getNumPerBondParameters() + numGroups * size);
     set.groupsPerTerm = numGroups;
-    const string reason = translateBondExpression(force, parameters, "g", numGroups, set);
+    const string reason = translateBondExpression(force, setting.parameters, "g", numGroups, set);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumBonds(); i++) {
@@ -70,5 +68,4 @@ static string translateCustomCentroidBonds(const Force& owner, int index, const 
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomCentroidBondForce), translateCustomCentroidBonds,
-                                  copyCustomCentroidBonds);
+static const NativeForceKind KIND(translateCustomCentroidBonds, copyCustomCentroidBonds);

@@ -6,9 +6,8 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static Force* copyCustomCompoundBonds(const Force& force)
+static Force* copyCustomCompoundBonds(const CustomCompoundBondForce& original)
 {
-    const CustomCompoundBondForce& original = dynamic_cast<const CustomCompoundBondForce&>(force);
     unique_ptr<CustomCompoundBondForce> copy(
         new CustomCompoundBondForce(original.getNumParticlesPerBond(), original.getEnergyFunction()));
     copyBondExpression(original, *copy);
@@ -16,13 +15,12 @@ static Force* copyCustomCompoundBonds(const Force& force)
     return copy.release();
 }
 
-static string translateCustomCompoundBonds(const Force& owner, int index, const System&,
-                                           const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomCompoundBonds(const CustomCompoundBondForce& force,
+                                           const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    const CustomCompoundBondForce& force = dynamic_cast<const CustomCompoundBondForce&>(owner);
     EnergyTerms::TermSet set =
-        createTermSet(index, ctExpressionTerm, force.getNumParticlesPerBond(), force.getNumPerBondParameters());
-    const string reason = translateBondExpression(force, parameters, "p", force.getNumParticlesPerBond(), set);
+        createTermSet(setting.index, ctExpressionTerm, force.getNumParticlesPerBond(), force.getNumPerBondParameters());
+    const string reason = translateBondExpression(force, setting.parameters, "p", force.getNumParticlesPerBond(), set);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumBonds(); i++) {
@@ -35,5 +33,4 @@ static string translateCustomCompoundBonds(const Force& owner, int index, const 
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomCompoundBondForce), translateCustomCompoundBonds,
-                                  copyCustomCompoundBonds);
+static const NativeForceKind KIND(translateCustomCompoundBonds, copyCustomCompoundBonds);

@@ -10,11 +10,10 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Not by OpenMM's XML: its numbers share memory among all threads, and steps copy Forces.
+ * Steps copy Forces, so this does not use OpenMM's XML, which shares memory among threads.
  */
-static Force* copyCustomGB(const Force& force)
+static Force* copyCustomGB(const CustomGBForce& original)
 {
-    const CustomGBForce& original = dynamic_cast<const CustomGBForce&>(force);
     unique_ptr<CustomGBForce> copy(new CustomGBForce());
     copyGlobals(original, *copy);
     copy->setNonbondedMethod(original.getNonbondedMethod());
@@ -44,16 +43,14 @@ static Force* copyCustomGB(const Force& force)
     return copy.release();
 }
 
-static string translateCustomGB(const Force& owner, int index, const System&,
-                                const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomGB(const CustomGBForce& force, const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    const CustomGBForce& force = dynamic_cast<const CustomGBForce&>(owner);
     if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic)
         return "its cutoff is periodic";
     string whyNoBorn = checkBornPartners(terms);
     try {
         if (whyNoBorn.empty()) {
-            terms.born.push_back(BornReader(force, parameters).read(index));
+            terms.born.push_back(BornReader(force, setting.parameters).read(setting.index));
             return "";
         }
     }
@@ -61,12 +58,12 @@ static string translateCustomGB(const Force& owner, int index, const System&,
         whyNoBorn = error.what();
     }
     EnergyTerms::ValueEnergy energy;
-    energy.force = index;
+    energy.force = setting.index;
     energy.reason = whyNoBorn;
-    const string reason = translateValues(force, parameters, energy);
+    const string reason = translateValues(force, setting.parameters, energy);
     if (reason.empty())
         terms.valueEnergies.push_back(energy);
     return reason;
 }
 
-static const NativeForceKind KIND(typeid(CustomGBForce), translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);
+static const NativeForceKind KIND(translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);

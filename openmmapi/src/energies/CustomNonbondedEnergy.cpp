@@ -3,6 +3,7 @@
 #include "openmm/CustomNonbondedForce.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmmchaintree/internal/ParticleExpressions.h"
 #include "openmmchaintree/internal/TabulatedFunctions.h"
 #include <cmath>
 #include <limits>
@@ -17,12 +18,11 @@ using namespace std;
 typedef map<string, double> Variables;
 
 /**
- * The constructor that copies makes tables forget that they are periodic. Not by OpenMM's XML: its numbers share memory
- * among all threads, and steps copy Forces.
+ * The copy constructor does not copy that tables are periodic. Steps copy Forces, so this does not use OpenMM's XML,
+ * which shares memory among threads.
  */
-static Force* copyCustomNonbonded(const Force& force)
+static Force* copyCustomNonbonded(const CustomNonbondedForce& original)
 {
-    const CustomNonbondedForce& original = dynamic_cast<const CustomNonbondedForce&>(force);
     unique_ptr<CustomNonbondedForce> copy(new CustomNonbondedForce(original));
     for (int i = 0; i < original.getNumTabulatedFunctions(); i++)
         restorePeriod(original.getTabulatedFunction(i), copy->getTabulatedFunction(i));
@@ -38,7 +38,7 @@ static Variables getGlobals(const CustomNonbondedForce& force, const NativeForce
 }
 
 /**
- * Get the names of what each particle has: parameters, and values computed from these.
+ * Get the names of the parameters of each particle, and of values computed from these.
  */
 static vector<string> getNames(const CustomNonbondedForce& force)
 {
@@ -127,19 +127,9 @@ static void translatePairs(const CustomNonbondedForce& force, EnergyTerms::PairS
 
 // ---- The order of two particles ----
 
-/** How many pairs of different particles are tried. */
-static const int NUM_TRIED_PAIRS = 500;
-
-static bool areSame(double energy1, double energy2)
-{
-    if (!isfinite(energy1) || !isfinite(energy2))
-        return isfinite(energy1) == isfinite(energy2);
-    return abs(energy1 - energy2) <= 1e-9 * (abs(energy1) + abs(energy2)) + numeric_limits<double>::min();
-}
-
 /**
- * Get whether the energy of two particles is the same in either order, as users are asked to see to. This tries pairs
- * of particles with different parameters: all, if there are not too many.
+ * Get whether the energy of two particles is the same in either order, as OpenMM requires. This tries pairs of
+ * particles with different parameters: all, if there are not too many.
  */
 static bool isSymmetric(const CustomNonbondedForce& force, const Variables& globals,
                         const TabulatedFunctions& functions, const EnergyTerms::PairSet& set)
@@ -164,7 +154,7 @@ static bool isSymmetric(const CustomNonbondedForce& force, const Variables& glob
     uniform_real_distribution<double> distance(0.1, min(set.cutoff, 3.0));
     auto isSame = [&](int i, int j) {
         for (double r : {distance(random), distance(random)})
-            if (!areSame(compute(particles[i], particles[j], r), compute(particles[j], particles[i], r)))
+            if (!areSameInEitherOrder(compute(particles[i], particles[j], r), compute(particles[j], particles[i], r)))
                 return false;
         return true;
     };
@@ -183,13 +173,12 @@ static bool isSymmetric(const CustomNonbondedForce& force, const Variables& glob
     return true;
 }
 
-static string translateCustomNonbonded(const Force& owner, int index, const System&,
-                                       const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomNonbonded(const CustomNonbondedForce& force, const NativeForceKind::Setting& setting,
+                                       EnergyTerms& terms)
 {
-    const CustomNonbondedForce& force = dynamic_cast<const CustomNonbondedForce&>(owner);
     EnergyTerms::PairSet set;
-    set.force = index;
-    const Variables globals = getGlobals(force, parameters);
+    set.force = setting.index;
+    const Variables globals = getGlobals(force, setting.parameters);
     string reason = translateMethod(force, set);
     if (!reason.empty())
         return reason;
@@ -205,4 +194,4 @@ static string translateCustomNonbonded(const Force& owner, int index, const Syst
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomNonbondedForce), translateCustomNonbonded, copyCustomNonbonded);
+static const NativeForceKind KIND(translateCustomNonbonded, copyCustomNonbonded);

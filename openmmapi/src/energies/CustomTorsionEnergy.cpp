@@ -6,18 +6,14 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateCustomTorsions(const Force& owner, int index, const System&,
-                                      const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateCustomTorsions(const CustomTorsionForce& force, const NativeForceKind::Setting& setting,
+                                      EnergyTerms& terms)
 {
-    const CustomTorsionForce& force = dynamic_cast<const CustomTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctExpressionTerm, 4, force.getNumPerTorsionParameters());
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctExpressionTerm, 4, force.getNumPerTorsionParameters());
     ExpressionTranslator translator(set);
     translator.addInput("theta", {ctMeasureDihedral, {0, 1, 2, 3}});
-    for (int i = 0; i < force.getNumPerTorsionParameters(); i++)
-        translator.addParameter(force.getPerTorsionParameterName(i));
-    for (int i = 0; i < force.getNumGlobalParameters(); i++)
-        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
-    const string reason = translator.translate(force.getEnergyFunction());
+    const string reason = translator.translateTerms(force, &CustomTorsionForce::getPerTorsionParameterName,
+                                                    set.parametersPerTerm, setting.parameters);
     if (!reason.empty())
         return reason;
     for (int i = 0; i < force.getNumTorsions(); i++) {
@@ -30,4 +26,4 @@ static string translateCustomTorsions(const Force& owner, int index, const Syste
     return "";
 }
 
-static const NativeForceKind KIND(typeid(CustomTorsionForce), translateCustomTorsions, copyForce<CustomTorsionForce>);
+static const NativeForceKind KIND(translateCustomTorsions);

@@ -7,21 +7,19 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** What OpenMM has no parameter for: nm, kJ nm / (mol e^2). */
+/** Constants of OpenMM without a parameter: nm, kJ nm / (mol e^2). */
 static const double OFFSET = 0.009, PROBE_RADIUS = 0.14, COULOMB = 138.93545764438198;
 static const double ALPHA = 1, BETA = 0.8, GAMMA = 4.85;
 
-static string translateGBSAOBC(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
-                               EnergyTerms& terms)
+static string translateGBSAOBC(const GBSAOBCForce& force, const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    const GBSAOBCForce& force = dynamic_cast<const GBSAOBCForce&>(owner);
     if (force.getNonbondedMethod() == GBSAOBCForce::CutoffPeriodic)
         return "its cutoff is periodic";
     const string reason = checkBornPartners(terms);
     if (!reason.empty())
         return reason;
     EnergyTerms::Born born = EnergyTerms::Born();
-    born.force = index;
+    born.force = setting.index;
     for (int i = 0; i < force.getNumParticles(); i++) {
         double charge, radius, scale;
         force.getParticleParameters(i, charge, radius, scale);
@@ -48,5 +46,4 @@ static string translateGBSAOBC(const Force& owner, int index, const System&, con
     return "";
 }
 
-static const NativeForceKind KIND(typeid(GBSAOBCForce), translateGBSAOBC, copyForce<GBSAOBCForce>,
-                                  NativeForceKind::NeedsPairs);
+static const NativeForceKind KIND(translateGBSAOBC, copyForce, NativeForceKind::NeedsPairs);

@@ -5,11 +5,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateHarmonicAngles(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+static string translateHarmonicAngles(const HarmonicAngleForce& force, const NativeForceKind::Setting& setting,
                                       EnergyTerms& terms)
 {
-    const HarmonicAngleForce& force = dynamic_cast<const HarmonicAngleForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctHarmonicAngleTerm, 3, 2);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctHarmonicAngleTerm, 3, 2);
     for (int i = 0; i < force.getNumAngles(); i++) {
         int p1, p2, p3;
         double angle, k;
@@ -20,4 +19,4 @@ static string translateHarmonicAngles(const Force& owner, int index, const Syste
     return "";
 }
 
-static const NativeForceKind KIND(typeid(HarmonicAngleForce), translateHarmonicAngles, copyForce<HarmonicAngleForce>);
+static const NativeForceKind KIND(translateHarmonicAngles);

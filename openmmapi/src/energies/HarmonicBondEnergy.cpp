@@ -5,11 +5,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateHarmonicBonds(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+static string translateHarmonicBonds(const HarmonicBondForce& force, const NativeForceKind::Setting& setting,
                                      EnergyTerms& terms)
 {
-    const HarmonicBondForce& force = dynamic_cast<const HarmonicBondForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctHarmonicBondTerm, 2, 2);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctHarmonicBondTerm, 2, 2);
     for (int i = 0; i < force.getNumBonds(); i++) {
         int p1, p2;
         double length, k;
@@ -20,4 +19,4 @@ static string translateHarmonicBonds(const Force& owner, int index, const System
     return "";
 }
 
-static const NativeForceKind KIND(typeid(HarmonicBondForce), translateHarmonicBonds, copyForce<HarmonicBondForce>);
+static const NativeForceKind KIND(translateHarmonicBonds);

@@ -38,8 +38,8 @@ public:
 } // namespace
 
 /**
- * Add what the Context's parameters make of offsets. Returns an empty text, or else why it cannot: of two offsets of
- * one particle or exception by one parameter, OpenMM's Platforms add both or keep the last.
+ * Add the parameter offsets. Returns an empty text, or else why it cannot: with two offsets of one particle or
+ * exception by one parameter, OpenMM's Platforms disagree whether to add both or keep the last.
  */
 template <class GetOffset>
 static string addOffsets(int numOffsets, GetOffset getOffset, const NativeForceKind::Parameters& parameters,
@@ -82,7 +82,7 @@ static string translateParticles(const NonbondedForce& force, const NativeForceK
 }
 
 /**
- * Each exception excludes its pair. Those with parameters are terms, without any cutoff, as in OpenMM.
+ * Each exception excludes its pair. Exceptions with an energy are terms without a cutoff, as in OpenMM.
  */
 static string translateExceptions(const NonbondedForce& force, const NativeForceKind::Parameters& parameters,
                                   EnergyTerms::Nonbonded& nonbonded, EnergyTerms::TermSet& exceptions)
@@ -104,10 +104,9 @@ static string translateExceptions(const NonbondedForce& force, const NativeForce
     return reason;
 }
 
-static string translateNonbonded(const Force& owner, int index, const System&,
-                                 const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+static string translateNonbonded(const NonbondedForce& force, const NativeForceKind::Setting& setting,
+                                 EnergyTerms& terms)
 {
-    const NonbondedForce& force = dynamic_cast<const NonbondedForce&>(owner);
     const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
     if (method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic)
         return describeMethod(method);
@@ -118,7 +117,7 @@ static string translateNonbonded(const Force& owner, int index, const System&,
     if (!terms.nonbonded.empty())
         return "openmm-chaintree has code for one NonbondedForce, and there is another before it";
     EnergyTerms::Nonbonded nonbonded;
-    nonbonded.force = index;
+    nonbonded.force = setting.index;
     nonbonded.cutoff = numeric_limits<double>::infinity();
     nonbonded.switchingDistance = nonbonded.cutoff;
     nonbonded.dielectric = 1;
@@ -131,13 +130,13 @@ static string translateNonbonded(const Force& owner, int index, const System&,
               isfinite(nonbonded.dielectric)))
             return "its cutoff, switching distance or dielectric makes no sense";
     }
-    EnergyTerms::TermSet exceptions = createTermSet(index, ctExceptionTerm, 2, 3);
-    string reason = translateParticles(force, parameters, nonbonded);
+    EnergyTerms::TermSet exceptions = createTermSet(setting.index, ctExceptionTerm, 2, 3);
+    string reason = translateParticles(force, setting.parameters, nonbonded);
     if (reason.empty())
-        reason = translateExceptions(force, parameters, nonbonded, exceptions);
+        reason = translateExceptions(force, setting.parameters, nonbonded, exceptions);
     terms.nonbonded.push_back(nonbonded);
     terms.termSets.push_back(exceptions);
     return reason;
 }
 
-static const NativeForceKind KIND(typeid(NonbondedForce), translateNonbonded, copyForce<NonbondedForce>);
+static const NativeForceKind KIND(translateNonbonded);

@@ -5,11 +5,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translatePeriodicTorsions(const Force& owner, int index, const System&,
-                                        const NativeForceKind::Parameters&, EnergyTerms& terms)
+static string translatePeriodicTorsions(const PeriodicTorsionForce& force, const NativeForceKind::Setting& setting,
+                                        EnergyTerms& terms)
 {
-    const PeriodicTorsionForce& force = dynamic_cast<const PeriodicTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctPeriodicTorsionTerm, 4, 3);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctPeriodicTorsionTerm, 4, 3);
     for (int i = 0; i < force.getNumTorsions(); i++) {
         int p1, p2, p3, p4, periodicity;
         double phase, k;
@@ -22,5 +21,4 @@ static string translatePeriodicTorsions(const Force& owner, int index, const Sys
     return "";
 }
 
-static const NativeForceKind KIND(typeid(PeriodicTorsionForce), translatePeriodicTorsions,
-                                  copyForce<PeriodicTorsionForce>);
+static const NativeForceKind KIND(translatePeriodicTorsions);

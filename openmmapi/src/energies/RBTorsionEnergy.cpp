@@ -5,11 +5,10 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static string translateRBTorsions(const Force& owner, int index, const System&, const NativeForceKind::Parameters&,
+static string translateRBTorsions(const RBTorsionForce& force, const NativeForceKind::Setting& setting,
                                   EnergyTerms& terms)
 {
-    const RBTorsionForce& force = dynamic_cast<const RBTorsionForce&>(owner);
-    EnergyTerms::TermSet set = createTermSet(index, ctRyckaertBellemansTerm, 4, 6);
+    EnergyTerms::TermSet set = createTermSet(setting.index, ctRyckaertBellemansTerm, 4, 6);
     for (int i = 0; i < force.getNumTorsions(); i++) {
         int p1, p2, p3, p4;
         vector<double> c(6);
@@ -20,4 +19,4 @@ static string translateRBTorsions(const Force& owner, int index, const System&, 
     return "";
 }
 
-static const NativeForceKind KIND(typeid(RBTorsionForce), translateRBTorsions, copyForce<RBTorsionForce>);
+static const NativeForceKind KIND(translateRBTorsions);

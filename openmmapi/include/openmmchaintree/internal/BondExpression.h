@@ -10,8 +10,8 @@
 namespace ChainTreePlugin {
 
 /**
- * Copy all of a CustomCompoundBondForce or CustomCentroidBondForce but its bonds and groups. Not by OpenMM's XML: its
- * numbers share memory among all threads, and steps copy Forces.
+ * Copy a CustomCompoundBondForce or CustomCentroidBondForce without its bonds and groups. Steps copy Forces, so this
+ * does not use OpenMM's XML, which shares memory among threads.
  */
 template <class Force>
 void copyBondExpression(const Force& from, Force& to)
@@ -53,11 +53,8 @@ std::string translateBondExpression(const Force& force, const NativeForceKind::P
         translator.addForeignFunction(name, countArguments(force.getTabulatedFunction(i)),
                                       "the tabulated function " + name);
     }
-    for (int i = 0; i < force.getNumPerBondParameters(); i++)
-        translator.addParameter(force.getPerBondParameterName(i));
-    for (int i = 0; i < force.getNumGlobalParameters(); i++)
-        translator.addConstant(force.getGlobalParameterName(i), parameters.at(force.getGlobalParameterName(i)));
-    return translator.translate(force.getEnergyFunction());
+    return translator.translateTerms(force, &Force::getPerBondParameterName, force.getNumPerBondParameters(),
+                                     parameters);
 }
 
 } // namespace ChainTreePlugin

@@ -5,6 +5,7 @@
 #include "openmm/System.h"
 #include "openmmchaintree/internal/EnergyTerms.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
+#include <functional>
 #include <map>
 #include <string>
 #include <typeinfo>
@@ -13,35 +14,61 @@
 namespace ChainTreePlugin {
 
 /**
- * A kind of Force that EnergyTerms can express. To create a NativeForceKind is to make it known, so each kind is a
- * constant in a file of its own, in src/energies.
+ * Copy a Force by the copy constructor of its class, which must hold no pointers.
+ */
+template <class T>
+OpenMM::Force* copyForce(const T& force)
+{
+    return new T(force);
+}
+
+/**
+ * A kind of Force that EnergyTerms can express. The constructor registers it: each kind is a constant in its own file
+ * in src/energies.
  *
- * Only the very class counts: one that is derived from it may compute something else.
+ * It does not include derived classes, which may compute something else.
  */
 class OPENMM_EXPORT_CHAINTREE NativeForceKind {
 public:
     /** The values of the Context's parameters, by name. */
     typedef std::map<std::string, double> Parameters;
-    /**
-     * Appends the energy of a Force to the terms. Returns an empty text, or else one clause that says why it cannot; it
-     * may have appended something then.
-     */
-    typedef std::string Translator(const OpenMM::Force& force, int index, const OpenMM::System& system,
-                                   const Parameters& parameters, EnergyTerms& terms);
-    /**
-     * Copies a Force.
-     */
-    typedef OpenMM::Force* Copier(const OpenMM::Force& force);
-    /** Some energies need a NonbondedForce that is translated before them. */
+    /** The index of a Force in its System, the System, and the Context's parameters. */
+    class Setting {
+    public:
+        const int index;
+        const OpenMM::System& system;
+        const Parameters& parameters;
+    };
+    /** Some energies need a NonbondedForce, which is translated before them. */
     enum Need { NeedsNothing, NeedsPairs };
-    NativeForceKind(const std::type_info& type, Translator& translate, Copier& copy, Need need = NeedsNothing);
+    /**
+     * @param translate  appends the energy of a Force to the terms. It returns an empty text, or else one clause that
+     *                   says why it cannot; then the terms may be incomplete.
+     * @param copy       copies a Force
+     */
+    template <class T>
+    explicit NativeForceKind(std::string translate(const T&, const Setting&, EnergyTerms&),
+                             OpenMM::Force* copy(const T&) = copyForce<T>, Need need = NeedsNothing) :
+        translate([=](const OpenMM::Force& force, const Setting& setting, EnergyTerms& terms) {
+            return translate(dynamic_cast<const T&>(force), setting, terms);
+        }),
+        copy([=](const OpenMM::Force& force) {
+            return copy(dynamic_cast<const T&>(force));
+        }),
+        needsPairs(need == NeedsPairs)
+    {
+        add(typeid(T));
+    }
     /**
      * Get the kind of a Force, or NULL if there is none.
      */
     static const NativeForceKind* find(const OpenMM::Force& force);
-    Translator& translate;
-    Copier& copy;
+    const std::function<std::string(const OpenMM::Force&, const Setting&, EnergyTerms&)> translate;
+    const std::function<OpenMM::Force*(const OpenMM::Force&)> copy;
     const bool needsPairs;
+
+private:
+    void add(const std::type_info& type);
 };
 
 /**
@@ -56,26 +83,17 @@ OPENMM_EXPORT_CHAINTREE std::string getClassName(const OpenMM::Force& force);
  * @param index         its index there
  * @param system        the System
  * @param parameters    the values of the Context's parameters
- * @param terms         what to append to
- * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms are as they
- *         were. This is no error, whatever the Force may be
+ * @param terms         the energy is appended to these
+ * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms do not
+ *         change. This is no error for any Force
  */
 OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index, const OpenMM::System& system,
                                                    const NativeForceKind::Parameters& parameters, EnergyTerms& terms);
 
-// What translators share.
+// Shared by translators.
 
 /**
- * Copy a Force by the constructor of its class, which has to hold no pointers.
- */
-template <class T>
-OpenMM::Force* copyForce(const OpenMM::Force& force)
-{
-    return new T(dynamic_cast<const T&>(force));
-}
-
-/**
- * Make a set of terms without any.
+ * Make an empty set of terms.
  */
 OPENMM_EXPORT_CHAINTREE EnergyTerms::TermSet createTermSet(int force, ctTermKind kind, int particlesPerTerm,
                                                            int parametersPerTerm);

@@ -13,13 +13,13 @@
 namespace ChainTreePlugin {
 
 /**
- * Computes expressions of the parameters of one particle, or of two, for the particles of a Force. Expressions of two
- * have the number 1 or 2 behind the name of a parameter.
+ * Computes expressions of the parameters of one particle, or of two, for the particles of a Force. In expressions of
+ * two particles, a parameter's name ends with 1 or 2.
  */
 class ParticleExpressions {
 public:
     typedef std::map<std::string, double> Variables;
-    /** What an expression is for one particle or for two, and values of what else it depends on. */
+    /** The value of an expression for one particle or for two, given the values of its other variables. */
     typedef std::function<double(int particle, const Variables& others)> OfParticle;
     typedef std::function<double(int particle1, int particle2, const Variables& others)> OfPair;
     template <class Force>
@@ -41,7 +41,7 @@ public:
         return particles.size();
     }
     /**
-     * Get one of the particles with the same parameters, for each that differ.
+     * Get one particle of each set of equal parameters.
      */
     const std::vector<int>& getDifferentParticles() const
     {
@@ -65,7 +65,7 @@ public:
      * Compute an expression of global parameters.
      */
     double computeNumber(const Lepton::ExpressionTreeNode& node) const;
-    /** What an expression of two particles depends on. */
+    /** The particles on which an expression of two depends. */
     enum Dependence { OnNone = 0, OnFirst = 1, OnSecond = 2, OnBoth = 3 };
     Dependence getDependence(const Lepton::ExpressionTreeNode& node) const;
     /**
@@ -73,8 +73,8 @@ public:
      */
     std::set<int> findParameters(const Lepton::ExpressionTreeNode& node) const;
     /**
-     * Get whether an expression is a sum, or else a product, of functions of one particle each. It is known for all
-     * pairs if it is known for those with one particle (for which a product may not be 0).
+     * Get whether an expression is a sum, or else a product, of functions of one particle each. It suffices to test the
+     * pairs with one particle (for which a product must not be 0).
      */
     bool isSeparable(const Lepton::ExpressionTreeNode& node, bool product) const;
 
@@ -86,6 +86,14 @@ private:
     std::vector<std::vector<double>> particles;
     std::vector<int> different;
 };
+
+/** The number of pairs of particles that are tried to find out if an energy is the same in either order of the two. */
+static const int NUM_TRIED_PAIRS = 500;
+
+/**
+ * Get whether the energies of two particles in either order agree.
+ */
+bool areSameInEitherOrder(double energy, double reversedEnergy);
 
 } // namespace ChainTreePlugin
 
