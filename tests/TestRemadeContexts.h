@@ -61,7 +61,7 @@ void testReinitialize(Platform& platform)
  */
 void checkIncomplete(Scene& scene, Run& run, const string& good)
 {
-    const string incomplete = "reinitialize() was refused";
+    const string incomplete = "reinitialize() threw an exception";
     assertThrows(incomplete, [&] {
         run.integrator.step(1);
     });

@@ -33,11 +33,12 @@ void ChainTreePlugin::checkUnique(vector<int> values, const string& message)
         throw OpenMMException(message + to_string(*repeated) + " twice");
 }
 
-void ChainTreePlugin::checkVersion(int version, int newest, const string& what)
+void ChainTreePlugin::checkVersion(int version, int newest, const string& what, int oldest)
 {
-    if (version >= 1 && version <= newest)
+    if (version >= oldest && version <= newest)
         return;
     stringstream message;
-    message << what << " has version " << version << ", but this openmm-chaintree reads only versions 1 to " << newest;
+    message << what << " has version " << version << ", but this openmm-chaintree reads only versions " << oldest
+            << " to " << newest;
     throw OpenMMException(message.str());
 }

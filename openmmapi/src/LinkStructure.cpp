@@ -18,7 +18,7 @@ static void fail(const string& message)
 }
 
 /**
- * What moves a link relative to its parent: a torsion, or a ball joint, which turns about the first of its particles.
+ * A joint of a link and its parent: a torsion, or a ball joint, which turns about the first of its particles.
  */
 class LinkStructure::Joint {
 public:
@@ -31,7 +31,7 @@ public:
         return particles.size() == 2;
     }
     /**
-     * Get the two particles of the bond that it is about.
+     * Get the two particles of its bond.
      */
     pair<int, int> getBond() const
     {
@@ -61,7 +61,7 @@ public:
 };
 
 /**
- * What is tied together: bonds, and virtual sites with the particles that define them.
+ * The graph of bonds, and of virtual sites with the particles that define them.
  */
 class LinkStructure::BondGraph {
 public:
@@ -93,7 +93,7 @@ public:
         return neighbors[particle];
     }
     /**
-     * Find a shortest way from one particle to another, or none where they don't hang together.
+     * Find a shortest path from one particle to another; empty if there is none.
      *
      * @param isDetour  whether it may not use the tie between the two
      */
@@ -147,7 +147,7 @@ LinkStructure::~LinkStructure()
 }
 
 /**
- * List the joints, having checked that they lie in the bonds.
+ * Check that joints lie in bonds, and list them.
  */
 void LinkStructure::listJoints(const BondGraph& graph, const StericExclusionForce& force)
 {
@@ -180,8 +180,8 @@ void LinkStructure::listJoints(const BondGraph& graph, const StericExclusionForc
 }
 
 /**
- * Throw an exception if a ball joint moves an outer particle of a torsion about the axis of that. The value of the
- * torsion would not be the sum of its turns.
+ * Throw an exception if a ball joint moves an outer particle of a torsion about the torsion's axis: the value of the
+ * torsion would not be the sum of its changes.
  */
 void LinkStructure::checkDihedrals() const
 {
@@ -205,7 +205,7 @@ void LinkStructure::checkDihedrals() const
 }
 
 /**
- * Number the parts that hang together without crossing the bond of a joint, in the order of their first particles.
+ * Number the parts that are connected without crossing the bond of a joint, in the order of their first particles.
  */
 vector<int> LinkStructure::findParts(const BondGraph& graph) const
 {
@@ -234,8 +234,8 @@ vector<int> LinkStructure::findParts(const BondGraph& graph) const
 }
 
 /**
- * Tie each virtual site to particles of one part that define it. Others of its particles must keep their place
- * relative to that part, as those on the axis of a torsion do, or be of another molecule.
+ * Tie each virtual site to the particles of one part that define it. Its other particles must keep their place relative
+ * to that part, like particles on the axis of a torsion, or be of another molecule.
  */
 void LinkStructure::tieVirtualSites(const System& system, BondGraph& graph) const
 {
@@ -288,7 +288,7 @@ void LinkStructure::checkNoJointParts(const BondGraph& graph, int site, int part
 }
 
 /**
- * List the joints at each link. One that joins what is joined already closes a ring.
+ * List the joints at each link. A joint between links that are connected already closes a ring, which is an error.
  */
 vector<vector<int>> LinkStructure::joinLinks(const BondGraph& graph) const
 {
@@ -330,7 +330,7 @@ vector<int> LinkStructure::findAnchors(const System& system) const
 }
 
 /**
- * Make a molecule of a link and all that joints join to it.
+ * Make a molecule of all links that joints connect to a link.
  */
 void LinkStructure::growMolecule(int firstLink, const vector<int>& anchors, const vector<vector<int>>& linkJoints)
 {
@@ -349,7 +349,7 @@ void LinkStructure::growMolecule(int firstLink, const vector<int>& anchors, cons
 }
 
 /**
- * Hang all links that joints join to a root on it, and return them, parents first.
+ * Set the parents of all links that joints connect to a root, and return them, parents first.
  */
 vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector<int>>& linkJoints)
 {
@@ -378,7 +378,7 @@ vector<int> LinkStructure::hangLinks(int root, int molecule, const vector<vector
 }
 
 /**
- * Number all links so that the links attached to one follow it.
+ * Number all links in depth-first order.
  */
 void LinkStructure::orderLinks()
 {
@@ -408,7 +408,7 @@ void LinkStructure::orderLinks()
 }
 
 /**
- * List a link and those on which it hangs, without the root.
+ * List a link and its ancestors, without the root.
  */
 vector<int> LinkStructure::findRootward(int link) const
 {
@@ -418,8 +418,18 @@ vector<int> LinkStructure::findRootward(int link) const
     return way;
 }
 
+pair<vector<int>, vector<int>> LinkStructure::findPath(int link1, int link2) const
+{
+    vector<int> side1 = findRootward(link1), side2 = findRootward(link2);
+    while (!side1.empty() && !side2.empty() && side1.back() == side2.back()) {
+        side1.pop_back();
+        side2.pop_back();
+    }
+    return {side1, side2};
+}
+
 /**
- * Record what each closure keeps together, having checked that it can, and the joints of its ring.
+ * Check each closure, and record the links that it fixes to each other and the joints of its ring.
  */
 void LinkStructure::findClosures(const BondGraph& graph, const StericExclusionForce& force)
 {
@@ -452,15 +462,11 @@ void LinkStructure::findClosures(const BondGraph& graph, const StericExclusionFo
                  " belong to different molecules, and not both of these have fixed particles; add a bond instead");
         closureBonds.push_back(bond);
         closures.push_back(make_pair(link1, link2));
-        vector<int> way1 = findRootward(link1), way2 = findRootward(link2);
-        while (!way1.empty() && !way2.empty() && way1.back() == way2.back()) {
-            way1.pop_back();
-            way2.pop_back();
-        }
-        way1.insert(way1.end(), way2.begin(), way2.end());
-        for (int link : way1)
-            if (linkClosures[link] == -1)
-                linkClosures[link] = i;
+        const auto path = findPath(link1, link2);
+        for (const vector<int>& side : {path.first, path.second})
+            for (int link : side)
+                if (linkClosures[link] == -1)
+                    linkClosures[link] = i;
         const int kept = keptWith[link1], joined = keptWith[link2];
         replace(keptWith.begin(), keptWith.end(), joined, kept);
     }
@@ -498,24 +504,16 @@ int LinkStructure::findJointOf(const Link& link) const
 }
 
 /**
- * Get the joints on the way from one particle to another of the same molecule.
+ * Get the joints on the path from one particle to another of the same molecule.
  */
 vector<int> LinkStructure::findJointsBetween(int particle1, int particle2) const
 {
-    auto findRootward = [&](int link) {
-        vector<int> found;
-        for (; links[link].parent != -1; link = links[link].parent)
-            found.push_back(findJointOf(links[link]));
-        return found;
-    };
-    vector<int> joints1 = findRootward(particleLinks[particle1]);
-    vector<int> joints2 = findRootward(particleLinks[particle2]);
-    while (!joints1.empty() && !joints2.empty() && joints1.back() == joints2.back()) {
-        joints1.pop_back();
-        joints2.pop_back();
-    }
-    joints1.insert(joints1.end(), joints2.begin(), joints2.end());
-    return joints1;
+    const auto path = findPath(particleLinks[particle1], particleLinks[particle2]);
+    vector<int> between;
+    for (const vector<int>& side : {path.first, path.second})
+        for (int link : side)
+            between.push_back(findJointOf(links[link]));
+    return between;
 }
 
 string LinkStructure::findJointBetween(int particle1, int particle2) const
@@ -541,7 +539,7 @@ vector<int> LinkStructure::describe() const
         description.push_back(link.parent);
         description.push_back(molecules[link.molecule].fixed);
         if (link.parent != -1) {
-            // Of a ball joint the particle that it turns about stands twice, which tells it from a torsion.
+            // A ball joint is written as its particle twice, which distinguishes it from a torsion.
 
             auto bond = joints[findJointOf(link)].getBond();
             if (link.ballJoint != -1)

@@ -39,7 +39,7 @@ int MoveList::add(unique_ptr<MonteCarloMove> move, double weight)
 {
     checkWeight(weight);
     bindMove(*move, structure, entries.size());
-    entries.push_back({std::move(move), weight, 0, 0, 0, 0, {}});
+    entries.push_back({std::move(move), weight, {}, {}});
     return entries.size() - 1;
 }
 
@@ -48,7 +48,7 @@ void MoveList::set(int index, unique_ptr<MonteCarloMove> move, double weight)
     ASSERT_VALID_INDEX(index, entries);
     checkWeight(weight);
     bindMove(*move, structure, index);
-    entries[index] = {std::move(move), weight, 0, 0, 0, 0, {}};
+    entries[index] = {std::move(move), weight, {}, {}};
 }
 
 void MoveList::remove(int index)
@@ -106,7 +106,7 @@ MoveList::Entry& MoveList::draw(double weightSum, RandomNumberGenerator& random)
 void MoveList::resetStatistics()
 {
     for (Entry& entry : entries)
-        entry.resetCounts();
+        entry.counts = Counts();
 }
 
 // ---- XML ----
@@ -144,7 +144,7 @@ static string toText(int value)
 }
 
 /**
- * Write the indices that a move chooses from.
+ * Write the list of a move's choices.
  */
 static string toText(const vector<int>& indices)
 {
@@ -155,7 +155,7 @@ static string toText(const vector<int>& indices)
 }
 
 /**
- * Tell many numbers from others, by their bits.
+ * Write a checksum of many numbers.
  */
 static string toText(const vector<double>& values)
 {
@@ -176,7 +176,7 @@ MoveList::Description MoveList::describe(const Entry& entry)
 }
 
 /**
- * Throw an exception that says how a move differs from that of a checkpoint, if it does.
+ * Throw an exception if a move differs from the move of a checkpoint, and say how.
  */
 void MoveList::checkSame(int index, const Description& written, const Description& own)
 {
@@ -242,7 +242,7 @@ void MoveList::setScale(int index, double scale)
     Entry& entry = entries[index];
     entry.move->setScale(scale);
     entry.adaptation = SizeAdaptation();
-    entry.resetCounts();
+    entry.counts = Counts();
 }
 
 void MoveList::restartAdaptation()
@@ -253,10 +253,7 @@ void MoveList::restartAdaptation()
 
 // ---- Checkpoints and States ----
 
-/** How many counts a move has. */
-static const size_t NUM_COUNTS = 4;
-
-/** What States call the parts of a SizeAdaptation::State. */
+/** The names in States for the parts of a SizeAdaptation::State. */
 static const char* const ADAPTATION_NAMES[] = {"adaptationBlocks", "adaptationTrials", "adaptationAccepted"};
 
 void MoveList::createCheckpoint(CheckpointWriter& writer) const
@@ -269,7 +266,8 @@ void MoveList::createCheckpoint(CheckpointWriter& writer) const
             writer.write(property.first);
             writer.write(property.second);
         }
-        writer.write(vector<long long>({entry.impossible, entry.clashed, entry.rejectedByEnergy, entry.accepted}));
+        const Counts& counts = entry.counts;
+        writer.write(vector<long long>({counts.impossible, counts.clashed, counts.rejectedByEnergy, counts.accepted}));
         writer.write(entry.move->getScale());
         writer.write(entry.adaptation.getState());
     }
@@ -290,13 +288,13 @@ MoveList::Progress MoveList::readCheckpoint(CheckpointReader& reader) const
             description.push_back(make_pair(name, reader.readString()));
         }
         checkSame(i, description, describe(entries[i]));
-        for (long long number : reader.readVector<long long>())
-            progress.statistics.push_back(number);
+        const vector<long long> counts = reader.readVector<long long>();
+        if (counts.size() != 4)
+            fail("the checkpoint is damaged");
+        progress.statistics.push_back({counts[0], counts[1], counts[2], counts[3]});
         progress.scales.push_back(reader.read<double>());
         progress.adaptations.push_back(reader.read<SizeAdaptation::State>());
     }
-    if (progress.statistics.size() != NUM_COUNTS * entries.size())
-        fail("the checkpoint is damaged");
     return progress;
 }
 
@@ -309,22 +307,18 @@ void MoveList::setProgress(const Progress& progress)
     }
 }
 
-vector<long long> MoveList::getStatistics() const
+vector<MoveList::Counts> MoveList::getStatistics() const
 {
-    vector<long long> statistics;
+    vector<Counts> statistics;
     for (const Entry& entry : entries)
-        statistics.insert(statistics.end(), {entry.impossible, entry.clashed, entry.rejectedByEnergy, entry.accepted});
+        statistics.push_back(entry.counts);
     return statistics;
 }
 
-void MoveList::setStatistics(const vector<long long>& statistics)
+void MoveList::setStatistics(const vector<Counts>& statistics)
 {
-    for (size_t i = 0; i < entries.size(); i++) {
-        entries[i].impossible = statistics[NUM_COUNTS * i];
-        entries[i].clashed = statistics[NUM_COUNTS * i + 1];
-        entries[i].rejectedByEnergy = statistics[NUM_COUNTS * i + 2];
-        entries[i].accepted = statistics[NUM_COUNTS * i + 3];
-    }
+    for (size_t i = 0; i < entries.size(); i++)
+        entries[i].counts = statistics[i];
 }
 
 void MoveList::writeProgress(SerializationNode& node) const
@@ -333,10 +327,10 @@ void MoveList::writeProgress(SerializationNode& node) const
         SerializationNode& move = node.createChildNode("Move");
         for (auto& property : describe(entry))
             move.setStringProperty(property.first, property.second);
-        move.setLongProperty("refused", entry.impossible)
-            .setLongProperty("clashed", entry.clashed)
-            .setLongProperty("rejectedByEnergy", entry.rejectedByEnergy)
-            .setLongProperty("accepted", entry.accepted);
+        move.setLongProperty("refused", entry.counts.impossible)
+            .setLongProperty("clashed", entry.counts.clashed)
+            .setLongProperty("rejectedByEnergy", entry.counts.rejectedByEnergy)
+            .setLongProperty("accepted", entry.counts.accepted);
         setNumber(move, "scale", entry.move->getScale());
         const SizeAdaptation::State state = entry.adaptation.getState();
         for (size_t i = 0; i < state.size(); i++)
@@ -356,9 +350,8 @@ bool MoveList::readProgress(const SerializationNode& node, Progress& progress) c
     for (const SerializationNode& move : moves) {
         // States of former versions have neither impossible trials nor scales.
 
-        progress.statistics.insert(progress.statistics.end(),
-                                   {move.getLongProperty("refused", 0), move.getLongProperty("clashed"),
-                                    move.getLongProperty("rejectedByEnergy"), move.getLongProperty("accepted")});
+        progress.statistics.push_back({move.getLongProperty("refused", 0), move.getLongProperty("clashed"),
+                                       move.getLongProperty("rejectedByEnergy"), move.getLongProperty("accepted")});
         progress.scales.push_back(move.hasProperty("scale") ? getNumber(move, "scale") : 1);
         SizeAdaptation::State state;
         for (size_t i = 0; i < state.size(); i++)

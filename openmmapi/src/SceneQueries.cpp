@@ -1,4 +1,4 @@
-/* What a Scene finds: clashes, near pairs and distances of the state, and pairs that the open trial changes. */
+/* The queries of a Scene: clashes, near pairs and distances of the state, and pairs that the open trial changes. */
 
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/EngineArrays.h"
@@ -11,7 +11,7 @@ using namespace OpenMM;
 using namespace std;
 
 /**
- * Collects what the engine finds, in any order, and returns it sorted. Value is one number or two.
+ * Collects results of the engine, which come in any order, and sorts them. Value is one number or two.
  */
 template <typename Key, typename Value>
 class Collector {
@@ -20,7 +20,7 @@ public:
     {
     }
     /**
-     * Add one. This is called from C, so it throws no exception. Returns false if there is no memory.
+     * Add a result. This is called from C, so it throws no exception. Returns false if there is no memory.
      */
     bool add(const Key& key, const Value& value)
     {
@@ -33,7 +33,7 @@ public:
         return !outOfMemory;
     }
     /**
-     * Get what was found, by ascending key. No key comes twice.
+     * Get the results by ascending key. No key comes twice.
      */
     const vector<pair<Key, Value>>& sort()
     {
@@ -116,7 +116,7 @@ void Scene::getClashes(vector<pair<int, int>>& pairs, vector<double>& overlaps)
 
 void Scene::getNeighborPairs(double cutoff, vector<pair<int, int>>& pairs, vector<double>& distances)
 {
-    // The size of the last list is mostly enough.
+    // The size of the last list is usually enough.
 
     size_t count = neighbors1.size();
     do {
@@ -134,7 +134,7 @@ void Scene::getNeighborPairs(double cutoff, vector<pair<int, int>>& pairs, vecto
 }
 
 /**
- * Prepare a set of particles, unless it is the one that was prepared last.
+ * Prepare a set of particles, unless it was prepared last.
  */
 ctSelection* Scene::prepare(const vector<int>& particles, PreparedSet& set) const
 {
@@ -170,13 +170,13 @@ void Scene::getClashesWith(const Vec3& position, double radius, vector<int>& par
     split(collector, particles, overlaps);
 }
 
-void Scene::getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+void Scene::addTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                    long long& nodesUpdated) const
 {
-    queries = numQueries;
-    volumeTests = counts.volumeTests;
-    particleTests = counts.particleTests;
-    nodesUpdated = counts.nodesUpdated;
+    queries += numQueries;
+    volumeTests += counts.volumeTests;
+    particleTests += counts.particleTests;
+    nodesUpdated += counts.nodesUpdated;
 }
 
 void Scene::resetTraversalStatistics()
@@ -190,7 +190,7 @@ void Scene::resetTraversalStatistics()
 namespace {
 
 /**
- * Collects by how much a trial changes (overlap - tolerance)^2 of the pairs that clash before or in it.
+ * Collects the changes of (overlap - tolerance)^2 of the pairs that clash before the trial or in it.
  */
 class SoftTerms {
 public:
@@ -211,7 +211,7 @@ public:
         return static_cast<SoftTerms*>(terms)->add(particle1, particle2, before, after);
     }
     /**
-     * Get the sum. Pairs come in any order, and the sum must not depend on it.
+     * Get the sum. Pairs come in any order, on which the sum must not depend.
      */
     double sum()
     {

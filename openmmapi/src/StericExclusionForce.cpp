@@ -25,22 +25,32 @@ static void checkParticleParameters(int index, double radius, StericExclusionFor
 }
 
 /**
- * A call of the user on a Context, which no other thread uses meanwhile.
+ * A call of the user on a Context. No other thread uses the Context meanwhile.
  */
-class Call {
+class StericExclusionForce::Call {
 public:
-    explicit Call(ForceImpl& impl) :
-        impl(dynamic_cast<StericExclusionForceImpl&>(impl)), use(this->impl.getLock(), ContextLock::User)
+    Call(const StericExclusionForce& force, Context& context) :
+        impl(dynamic_cast<StericExclusionForceImpl&>(force.getImplInContext(context))),
+        context(force.getContextImpl(context)), use(impl.getLock(), ContextLock::User)
     {
-        this->impl.requireInitialized();
+        impl.requireInitialized();
     }
     StericExclusionForceImpl* operator->()
     {
         return &impl;
     }
+    Scene& queryState()
+    {
+        return impl.queryState(context);
+    }
+    Scene& queryTrial()
+    {
+        return impl.queryTrial(context);
+    }
 
 private:
     StericExclusionForceImpl& impl;
+    ContextImpl& context;
     const ContextUse use;
 };
 
@@ -190,7 +200,7 @@ void StericExclusionForce::createExclusionsFromBonds(int bondCutoff)
     for (auto& exclusion : exclusions)
         known.insert(minmax(exclusion.first, exclusion.second));
 
-    // Search breadth first from each particle, and record those with a higher index.
+    // Search breadth first from each particle, and exclude particles with a higher index.
 
     vector<int> visitedFrom(particles.size(), -1);
     for (int start = 0; start < (int)particles.size(); start++) {
@@ -248,111 +258,109 @@ void StericExclusionForce::setForceConstant(double k)
 
 void StericExclusionForce::updateParametersInContext(Context& context)
 {
-    Call(getImplInContext(context))->updateParametersInContext(getContextImpl(context));
+    Call(*this, context)->updateParametersInContext(getContextImpl(context));
 }
 
 bool StericExclusionForce::hasClash(Context& context) const
 {
-    return Call(getImplInContext(context))->hasClash(getContextImpl(context));
+    return Call(*this, context).queryState().hasClash();
 }
 
 void StericExclusionForce::getClashes(Context& context, vector<pair<int, int>>& pairs, vector<double>& overlaps) const
 {
-    Call(getImplInContext(context))->getClashes(getContextImpl(context), pairs, overlaps);
+    Call(*this, context).queryState().getClashes(pairs, overlaps);
 }
 
 void StericExclusionForce::getNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
                                             vector<double>& distances) const
 {
-    Call(getImplInContext(context))->getNeighborPairs(getContextImpl(context), cutoff, pairs, distances);
+    Call(*this, context).queryState().getNeighborPairs(cutoff, pairs, distances);
 }
 
 double StericExclusionForce::getMinimumDistance(Context& context, const vector<int>& particles1,
                                                 const vector<int>& particles2, int& particle1, int& particle2) const
 {
-    return Call(getImplInContext(context))
-        ->getMinimumDistance(getContextImpl(context), particles1, particles2, particle1, particle2);
+    return Call(*this, context).queryState().getMinimumDistance(particles1, particles2, particle1, particle2);
 }
 
 void StericExclusionForce::getClashesWith(Context& context, const Vec3& position, double radius, vector<int>& particles,
                                           vector<double>& overlaps) const
 {
-    Call(getImplInContext(context))->getClashesWith(getContextImpl(context), position, radius, particles, overlaps);
+    Call(*this, context).queryState().getClashesWith(position, radius, particles, overlaps);
 }
 
 bool StericExclusionForce::proposeTorsions(Context& context, const vector<int>& torsions,
                                            const vector<double>& changes) const
 {
-    return Call(getImplInContext(context))->proposeTorsions(getContextImpl(context), torsions, changes);
+    return Call(*this, context)->proposeTorsions(getContextImpl(context), torsions, changes);
 }
 
 bool StericExclusionForce::proposeBallRotations(Context& context, const vector<int>& ballJoints,
                                                 const vector<Vec3>& rotations) const
 {
-    return Call(getImplInContext(context))->proposeBallRotations(getContextImpl(context), ballJoints, rotations);
+    return Call(*this, context)->proposeBallRotations(getContextImpl(context), ballJoints, rotations);
 }
 
 bool StericExclusionForce::proposeRigidMotion(Context& context, int particle, const Vec3& rotation,
                                               const Vec3& translation) const
 {
-    return Call(getImplInContext(context))
-        ->proposeRigidMotion(getContextImpl(context), particle, rotation, translation);
+    return Call(*this, context)->proposeRigidMotion(getContextImpl(context), particle, rotation, translation);
 }
 
 void StericExclusionForce::getProposedPositions(Context& context, vector<Vec3>& positions) const
 {
-    Call(getImplInContext(context))->getProposedPositions(getContextImpl(context), positions);
+    Call(*this, context).queryTrial().getTrialPositions(positions);
 }
 
 void StericExclusionForce::getChangedNeighborPairs(Context& context, double cutoff, vector<pair<int, int>>& pairs,
                                                    vector<double>& before, vector<double>& after) const
 {
-    Call(getImplInContext(context))->getChangedNeighborPairs(getContextImpl(context), cutoff, pairs, before, after);
+    Call(*this, context).queryTrial().getChangedNeighborPairs(cutoff, pairs, before, after);
 }
 
 void StericExclusionForce::acceptProposal(Context& context) const
 {
-    Call(getImplInContext(context))->acceptProposal(getContextImpl(context));
+    Call(*this, context)->acceptProposal(getContextImpl(context));
 }
 
 void StericExclusionForce::rejectProposal(Context& context) const
 {
-    Call(getImplInContext(context))->rejectProposal();
+    Call(*this, context)->rejectProposal();
 }
 
 void StericExclusionForce::restartLimits(Context& context) const
 {
-    Call(getImplInContext(context))->getLimitPolicy().restart();
+    Call(*this, context)->getLimitPolicy().restart();
 }
 
 void StericExclusionForce::getTorsionAngles(Context& context, vector<double>& angles) const
 {
-    Call(getImplInContext(context))->getTorsionAngles(getContextImpl(context), angles);
+    Call(*this, context)->getTorsionAngles(getContextImpl(context), angles);
 }
 
 void StericExclusionForce::setTorsionAngles(Context& context, const vector<double>& angles) const
 {
-    Call(getImplInContext(context))->setTorsionAngles(getContextImpl(context), angles);
+    Call(*this, context)->setTorsionAngles(getContextImpl(context), angles);
 }
 
 int StericExclusionForce::getNumToleratedClashes(Context& context) const
 {
-    return Call(getImplInContext(context))->getNumToleratedClashes(getContextImpl(context));
+    return Call(*this, context).queryState().getNumLimits();
 }
 
 void StericExclusionForce::getTraversalStatistics(Context& context, long long& queries, long long& volumeTests,
                                                   long long& particleTests, long long& nodesUpdated) const
 {
-    Call(getImplInContext(context))->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+    Call(*this, context)->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
 }
 
 void StericExclusionForce::resetTraversalStatistics(Context& context) const
 {
-    Call(getImplInContext(context))->resetTraversalStatistics();
+    Call(*this, context)->resetTraversalStatistics();
 }
 
 /**
- * Whether two lists are of the same pairs. Order and repeats mean nothing.
+ * Get whether two lists have the same pairs, in any order and number.
  */
 static bool haveSamePairs(const vector<pair<int, int>>& list1, const vector<pair<int, int>>& list2)
 {
@@ -368,7 +376,7 @@ static bool haveSamePairs(const vector<pair<int, int>>& list1, const vector<pair
 }
 
 /**
- * Compare all that updateParametersInContext() cannot change.
+ * Compare everything that updateParametersInContext() cannot change.
  */
 bool StericExclusionForce::hasStructureOf(const StericExclusionForce& other) const
 {

@@ -14,7 +14,7 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** A torsion in a ring that is to turn by no more than this is to stay, in radians. */
+/** A torsion in a ring is not turned if the wanted change is at most this, in radians. */
 static const double LEAST_CLOSED_CHANGE = 1e-9;
 
 static void fail(const string& message)
@@ -35,7 +35,7 @@ static void checkFinite(const vector<Vec3>& positions)
 }
 
 /**
- * Compare numbers by their bits, which also tells NaN from NaN and sees every change, however small.
+ * Compare numbers by their bits, which finds every change and distinguishes NaNs.
  */
 static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
 {
@@ -44,7 +44,7 @@ static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
 }
 
 /**
- * Tell the user if another Force sees periodic images, which this one does not.
+ * Warn if another Force uses periodic images, which this one ignores.
  */
 static void warnOfPeriodicForces(const System& system)
 {
@@ -55,7 +55,7 @@ static void warnOfPeriodicForces(const System& system)
             isPeriodic = force.usesPeriodicBoundaryConditions();
         }
         catch (const OpenMMException&) {
-            // Not every Force can tell.
+            // Some Forces do not know.
         }
         if (isPeriodic) {
             warn("StericExclusionForce: the System is periodic (force " + to_string(i) + ", " + force.getName() +
@@ -105,7 +105,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
 
 Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
 {
-    // The kernel does not need a Context, so that of the Reference platform serves platforms without one.
+    // The kernel needs no Context, so the Reference platform's serves platforms without a kernel.
 
     const vector<string> kernelNames = {CalcStericExclusionForceKernel::Name()};
     Platform* platform = &context.getPlatform();
@@ -121,7 +121,7 @@ Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
 void StericExclusionForceImpl::requireInitialized() const
 {
     if (!isInitialized)
-        fail("the Context is not complete, because reinitialize() was refused; mend what the exception named and call "
+        fail("the Context is not complete, because reinitialize() threw an exception; correct its cause and call "
              "reinitialize() again");
 }
 
@@ -157,8 +157,8 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 {
     context.getPositions(buffer);
     if (agreedPositions.empty()) {
-        // An evaluation of no forces costs little and throws the usual exception if positions were never set; on GPU
-        // platforms they can then be anything. The CPU platform also throws if they are not finite, but names no
+        // An evaluation of no forces is cheap and throws the usual exception if positions were never set; on GPU
+        // platforms they are undefined then. The CPU platform also throws if they are not finite, but names no
         // particle.
 
         try {
@@ -185,13 +185,11 @@ void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector
     limits.positionsWereSeen(context.getStepCount());
 }
 
-/**
- * Take notice of the Context's positions for a query or a trial of a user.
- */
-void StericExclusionForceImpl::updateState(ContextImpl& context)
+Scene& StericExclusionForceImpl::queryState(ContextImpl& context)
 {
     updatePositions(context);
     bringUpToDate(*scene);
+    return *scene;
 }
 
 void StericExclusionForceImpl::updateContextState(ContextImpl& context, bool& forcesInvalid)
@@ -226,13 +224,7 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
 {
     computeVirtualSites(context);
     updatePositions(context);
-    limits.noStepIsUnderWay(); // No other Integrator is in the midst of a step when trials begin.
-}
-
-int StericExclusionForceImpl::getNumToleratedClashes(ContextImpl& context)
-{
-    updateState(context);
-    return scene->getNumLimits();
+    limits.noStepIsUnderWay(); // no other Integrator is in a step when trials begin
 }
 
 void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const vector<Vec3>& positions)
@@ -247,7 +239,7 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
  */
 void StericExclusionForceImpl::showState(ContextImpl& context, Scene& shown)
 {
-    // A platform may round positions, so what is agreed on is what the Context returns, and nothing if this fails.
+    // A platform may round positions, so agreedPositions are those that the Context returns, or empty if this fails.
 
     agreedPositions.clear();
     setContextPositions(context, shown.followState());
@@ -283,7 +275,7 @@ void StericExclusionForceImpl::setTrialScene(Scene& wanted)
     if (trialScene == &wanted)
         return;
     if (!agreedPositions.empty()) {
-        // By the numbers of a checkpoint, so that a run that is resumed from one has the same bits.
+        // The numbers of a checkpoint give the same bits to a run that resumes from one.
 
         vector<double> state;
         newest->getState(state);
@@ -315,7 +307,7 @@ void StericExclusionForceImpl::bringUpToDate(Scene& behind)
 }
 
 /**
- * Take notice that something else than trials that trialSpheresAreFree() allows has changed a scene's state.
+ * Take notice that a scene's state has changed, and that its spheres may overlap now.
  */
 void StericExclusionForceImpl::stateWasChanged(Scene& changed)
 {
@@ -324,7 +316,7 @@ void StericExclusionForceImpl::stateWasChanged(Scene& changed)
     trialSpheresWereFree = false;
 }
 
-// ---- What is kept ----
+// ---- Checkpoints ----
 
 void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<double>& limits)
 {
@@ -334,17 +326,17 @@ void StericExclusionForceImpl::getLimits(vector<pair<int, int>>& pairs, vector<d
 void StericExclusionForceImpl::setLimits(ContextImpl& context, const vector<pair<int, int>>& pairs,
                                          const vector<double>& limits)
 {
-    updateState(context);
+    queryState(context);
     this->limits.setLimits(pairs, limits);
 }
 
 void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
 {
-    // A run that continues has the bits of one that starts from this checkpoint, which does not hold the pause.
+    // A continued run must have the same bits as a run from this checkpoint, which does not hold the pause.
 
     velocities->forgetPause();
 
-    // Limits are those of the force's own spheres, so its scene has to have the state.
+    // Limits belong to the force's own spheres, so its scene must have the state.
 
     bringUpToDate(*scene);
     vector<double> state;
@@ -390,7 +382,7 @@ double StericExclusionForceImpl::calcForcesAndEnergy(ContextImpl& context, bool 
     requireInitialized();
     ContextUse use(lock, ContextLock::OpenMM);
 
-    // In the energy of others there is nothing to compute. GPU platforms ask nevertheless, by computeForce().
+    // The energy of other Forces does not need this force. GPU platforms still call computeForce().
 
     if (!hasEnergy(context))
         return 0;
@@ -404,7 +396,7 @@ double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector
         return 0;
     }
 
-    // On GPU platforms this is another thread than that of the call that needs the forces.
+    // On GPU platforms this runs on another thread than the call that needs the forces.
 
     unique_ptr<ContextUse> use;
     if (!lock->helperMayPass())
@@ -415,7 +407,8 @@ double StericExclusionForceImpl::computeForce(ContextImpl& context, const vector
 }
 
 /**
- * Get whether this force has an energy: not in that of other Forces, and not where an integrator's steric mode is Off.
+ * Get whether this force has an energy: not in the energy of other Forces, and not if an integrator's steric mode is
+ * Off.
  */
 bool StericExclusionForceImpl::hasEnergy(ContextImpl& context) const
 {
@@ -435,53 +428,15 @@ void StericExclusionForceImpl::setEnergyTerms(const EnergyTerms& terms, const vo
     energyTermsOwner = owner;
 }
 
-// ---- Queries ----
-
-bool StericExclusionForceImpl::hasClash(ContextImpl& context)
-{
-    updateState(context);
-    return scene->hasClash();
-}
-
-void StericExclusionForceImpl::getClashes(ContextImpl& context, vector<pair<int, int>>& pairs, vector<double>& overlaps)
-{
-    updateState(context);
-    scene->getClashes(pairs, overlaps);
-}
-
-void StericExclusionForceImpl::getNeighborPairs(ContextImpl& context, double cutoff, vector<pair<int, int>>& pairs,
-                                                vector<double>& distances)
-{
-    updateState(context);
-    scene->getNeighborPairs(cutoff, pairs, distances);
-}
-
-double StericExclusionForceImpl::getMinimumDistance(ContextImpl& context, const vector<int>& particles1,
-                                                    const vector<int>& particles2, int& particle1, int& particle2)
-{
-    updateState(context);
-    return scene->getMinimumDistance(particles1, particles2, particle1, particle2);
-}
-
-void StericExclusionForceImpl::getClashesWith(ContextImpl& context, const Vec3& position, double radius,
-                                              vector<int>& particles, vector<double>& overlaps)
-{
-    updateState(context);
-    scene->getClashesWith(position, radius, particles, overlaps);
-}
+// ---- Operation counts ----
 
 void StericExclusionForceImpl::getTraversalStatistics(long long& queries, long long& volumeTests,
                                                       long long& particleTests, long long& nodesUpdated)
 {
-    scene->getTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
-    if (trialScene == scene)
-        return;
-    long long trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated;
-    trialScene->getTraversalStatistics(trialQueries, trialVolumeTests, trialParticleTests, trialNodesUpdated);
-    queries += trialQueries;
-    volumeTests += trialVolumeTests;
-    particleTests += trialParticleTests;
-    nodesUpdated += trialNodesUpdated;
+    queries = volumeTests = particleTests = nodesUpdated = 0;
+    scene->addTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
+    if (trialScene != scene)
+        trialScene->addTraversalStatistics(queries, volumeTests, particleTests, nodesUpdated);
 }
 
 void StericExclusionForceImpl::resetTraversalStatistics()
@@ -490,13 +445,13 @@ void StericExclusionForceImpl::resetTraversalStatistics()
     trialScene->resetTraversalStatistics();
 }
 
-// ---- Trials for anyone's Monte Carlo ----
+// ---- Trials of users ----
 
 /**
- * Throw an exception unless different joints are named.
+ * Throw an exception unless all joints exist, are different, and lie in no ring of a closure.
  *
- * @param kind    what such a joint is called, as "torsion"
- * @param caller  the function that they were given to, as "proposeTorsions()"
+ * @param kind    the name of such a joint, as "torsion"
+ * @param caller  the function that was called, as "proposeTorsions()"
  */
 static void checkJoints(const vector<int>& joints, const vector<int>& links, const LinkStructure& structure,
                         const string& kind, const string& caller)
@@ -576,20 +531,11 @@ void StericExclusionForceImpl::requireProposal() const
         fail("there is no open proposal; propose a trial first, after the last change of positions");
 }
 
-void StericExclusionForceImpl::getProposedPositions(ContextImpl& context, vector<Vec3>& positions)
+Scene& StericExclusionForceImpl::queryTrial(ContextImpl& context)
 {
-    updateState(context);
+    queryState(context);
     requireProposal();
-    scene->getTrialPositions(positions);
-}
-
-void StericExclusionForceImpl::getChangedNeighborPairs(ContextImpl& context, double cutoff,
-                                                       vector<pair<int, int>>& pairs, vector<double>& before,
-                                                       vector<double>& after)
-{
-    updateState(context);
-    requireProposal();
-    scene->getChangedNeighborPairs(cutoff, pairs, before, after);
+    return *scene;
 }
 
 void StericExclusionForceImpl::acceptProposal(ContextImpl& context)
@@ -609,7 +555,7 @@ void StericExclusionForceImpl::rejectProposal()
 
 void StericExclusionForceImpl::getTorsionAngles(ContextImpl& context, vector<double>& angles)
 {
-    updateState(context);
+    queryState(context);
     angles.resize(original->getNumTorsions());
     for (int i = 0; i < (int)angles.size(); i++)
         angles[i] = scene->getTorsionAngle(i);
@@ -628,7 +574,7 @@ void StericExclusionForceImpl::setTorsionAngles(ContextImpl& context, const vect
     for (int i = 0; i < (int)angles.size(); i++) {
         const double present = scene->getTorsionAngle(i), change = remainder(angles[i] - present, 2 * M_PI);
         if (structure->getLinkClosure(structure->getTorsionLinks()[i]) != -1) {
-            // Angles that were read and come back may differ by their rounding.
+            // Angles that were read and are set again may differ by rounding.
 
             if (fabs(change) > LEAST_CLOSED_CHANGE)
                 structure->checkNoClosure(structure->getTorsionLinks()[i], "StericExclusionForce: setTorsionAngles()");

@@ -33,13 +33,13 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-/** What the integrator's part of a checkpoint begins with: "ChainTMC" where the first byte is the lowest. */
+/** The first bytes of the integrator's part of a checkpoint: "ChainTMC" on little-endian machines. */
 static const uint64_t CHECKPOINT_MARK = 0x434d546e69616843;
 
 /** From version 5 on checkpoints have checksums and the schedule of outer tests. */
 static const int CHECKPOINT_VERSION = 5, OLDEST_CHECKPOINT_VERSION = 4;
 
-/** What OpenMM's part of a checkpoint begins with. */
+/** The first bytes of OpenMM's part of a checkpoint. */
 static const char OPENMM_MARK[] = "OpenMM Binary Checkpoint\n";
 
 /** From version 4 on States have checksums. */
@@ -51,8 +51,8 @@ static void fail(const string& message)
 }
 
 /**
- * What a Context held when its reinitialize() began, as far as OpenMM does not keep it: if a Force or this integrator
- * refuses, the checkpoint that reinitialize() made is lost.
+ * The state of a Context whose reinitialize() has begun. If a Force or this integrator throws an exception there,
+ * OpenMM's own checkpoint is lost.
  */
 class TorsionMonteCarloIntegrator::KeptState {
 public:
@@ -60,15 +60,15 @@ public:
     vector<int> structure;
     string random;
     vector<double> standIn, schedule;
-    /** The part of a checkpoint that is the force's. */
+    /** The force's part of a checkpoint. */
     string geometry;
     /** Whether the user has set positions since. */
     bool positionsWereSet;
-    /** Whether the incomplete Context that there is now was given the positions. */
+    /** Whether the present, incomplete Context was given the positions. */
     bool isShown;
 };
 
-/** Whether a checkpoint is of a Context that was not complete, and holds what was kept. */
+/** Whether a checkpoint is of a complete Context, or holds the KeptState of an incomplete one. */
 enum CheckpointForm : uint8_t { OfCompleteContext = 0, OfKeptState = 1, OfKeptStateWithNewPositions = 2 };
 
 TorsionMonteCarloIntegrator::TorsionMonteCarloIntegrator(double temperature) :
@@ -167,10 +167,10 @@ int TorsionMonteCarloIntegrator::getNumToleratedClashes(Context& context) const
 {
     ContextUse use(lock, ContextLock::User);
     requireContext(context);
-    return force->getNumToleratedClashes(*this->context);
+    return force->queryState(*this->context).getNumLimits();
 }
 
-// ---- Moves: what is special to a kind is in its own file ----
+// ---- Moves. Each kind is in its own file ----
 
 int TorsionMonteCarloIntegrator::addMove(unique_ptr<MonteCarloMove> move, double weight)
 {
@@ -210,11 +210,11 @@ void TorsionMonteCarloIntegrator::getMoveStatistics(int move, long long& attempt
                                                     long long& rejectedByEnergy, long long& accepted) const
 {
     ContextUse use(lock, ContextLock::User);
-    const MoveList::Entry& entry = moves->get(move);
-    attempted = entry.impossible + entry.clashed + entry.rejectedByEnergy + entry.accepted;
-    clashed = entry.clashed;
-    rejectedByEnergy = entry.rejectedByEnergy;
-    accepted = entry.accepted;
+    const MoveList::Counts& counts = moves->get(move).counts;
+    attempted = counts.impossible + counts.clashed + counts.rejectedByEnergy + counts.accepted;
+    clashed = counts.clashed;
+    rejectedByEnergy = counts.rejectedByEnergy;
+    accepted = counts.accepted;
 }
 
 void TorsionMonteCarloIntegrator::resetMoveStatistics()
@@ -268,7 +268,7 @@ void TorsionMonteCarloIntegrator::requireBound() const
         throw OpenMMException("This Integrator is not bound to a context!");
     if (contextHasEnded)
         fail("its Context was deleted; an Integrator serves one Context, so make a new one of both");
-    fail("its Context is not complete, because reinitialize() was refused; mend what the exception named and call "
+    fail("its Context is not complete, because reinitialize() threw an exception; correct its cause and call "
          "reinitialize() again");
 }
 
@@ -329,7 +329,7 @@ void TorsionMonteCarloIntegrator::initialize(ContextImpl& contextRef)
 }
 
 /**
- * Take possession of a Context, or throw an exception that says why this integrator cannot drive it.
+ * Bind to a Context, or throw an exception that says why this integrator cannot sample it.
  */
 void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
 {
@@ -358,7 +358,7 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
 
 void TorsionMonteCarloIntegrator::cleanup()
 {
-    // A Context that is reinitialized is whole at this time; of one that ends the forces are gone.
+    // A Context that is reinitialized is still complete here; if it ends, its forces are gone.
 
     const bool isWhole = (force != NULL && !forceLife.expired());
     const unique_ptr<ContextUse> use(isWhole ? new ContextUse(lock, ContextLock::User) : NULL);
@@ -399,8 +399,8 @@ unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::
 }
 
 /**
- * Give an incomplete Context what was kept of its predecessor. This also makes OpenMM know that positions were set,
- * which it carries over from there.
+ * Give an incomplete Context the state of its predecessor. OpenMM then knows that positions were set, and copies this
+ * to the next Context.
  */
 void TorsionMonteCarloIntegrator::showKeptState() const
 {
@@ -436,8 +436,7 @@ void TorsionMonteCarloIntegrator::stateChanged(State::DataType changed)
 // ---- Checkpoints ----
 
 /**
- * Get what a checkpoint holds before the part that is about to be written, from where OpenMM has begun it; nothing if
- * the stream cannot be read.
+ * Get OpenMM's part of a checkpoint, which is already written; empty if the stream cannot be read.
  */
 static string getWrittenBefore(const ostream& stream)
 {
@@ -450,9 +449,9 @@ static string getWrittenBefore(const ostream& stream)
 }
 
 /**
- * Throw an exception if what a checkpoint holds before our part is not what it was.
+ * Throw an exception if OpenMM's part of a checkpoint has another checksum.
  *
- * @param begin  where our part begins in the stream
+ * @param begin  the end of OpenMM's part in the stream
  */
 static void checkReadBefore(istream& stream, streamoff begin, uint64_t size, uint64_t hash)
 {
@@ -513,10 +512,8 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
         if (reader.read<uint64_t>() != CHECKPOINT_MARK)
             fail("the checkpoint was created with another Integrator");
         const int version = reader.read<int>();
-        if (version < OLDEST_CHECKPOINT_VERSION || version > CHECKPOINT_VERSION)
-            throw OpenMMException("the checkpoint of a TorsionMonteCarloIntegrator has version " + to_string(version) +
-                                  ", but this openmm-chaintree reads only versions " +
-                                  to_string(OLDEST_CHECKPOINT_VERSION) + " to " + to_string(CHECKPOINT_VERSION));
+        checkVersion(version, CHECKPOINT_VERSION, "the checkpoint of a TorsionMonteCarloIntegrator",
+                     OLDEST_CHECKPOINT_VERSION);
         if (version < 5) {
             restoreCheckpoint(reader, version, false);
             return;
@@ -538,7 +535,7 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
 }
 
 /**
- * Read all of a checkpoint and check it before any of it is taken over.
+ * Read and check the whole checkpoint before using any of it.
  *
  * @param positionsAreSafe  whether a checksum has shown that the Context has the positions of the checkpoint
  */
@@ -615,8 +612,8 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
 }
 
 /**
- * Read what the geometry is computed from. Returns NULL if the Context does not stand where the State was made, or has
- * another structure; sampling then continues from its present state. Throws an exception if that can only be damage.
+ * Read the geometry. Returns NULL if the Context has other positions than at the time of saving, or another structure;
+ * sampling then continues from its present state. Throws an exception if the State is damaged.
  */
 unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const SerializationNode& state, int version) const
 {
@@ -642,21 +639,22 @@ unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const Seriali
         geometry.reset();
     }
     if (!others.empty())
-        warn("TorsionMonteCarloIntegrator: the State brought only a part of what the Context held when it was made; "
-             "sampling continues from other " +
+        warn("TorsionMonteCarloIntegrator: the Context differs from the time when the State was made; sampling "
+             "continues "
+             "from other " +
              others);
     return geometry;
 }
 
 /**
- * Read all of a State and check it before any of it is taken over.
+ * Read and check the whole State before using any of it.
  */
 void TorsionMonteCarloIntegrator::deserializeParameters(const SerializationNode& node)
 {
     ContextUse use(lock, ContextLock::User);
     requireBound();
 
-    // Many integrators keep nothing in a State. Sampling may well start from what they have made.
+    // Many integrators write no parameters to a State. Sampling may start from their States.
 
     auto& children = node.getChildren();
     if (!node.hasProperty("version") && children.empty() && node.getProperties().empty())
@@ -731,35 +729,35 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
                      EnergyStages::Rule rule, RandomNumberGenerator& random)
 {
     if (!entry.move->propose(trials, random)) {
-        entry.impossible++;
+        entry.counts.impossible++;
         return false;
     }
     if (!trials.test()) {
         trials.reject();
-        entry.clashed++;
+        entry.counts.clashed++;
         return false;
     }
     const double logRatio = entry.move->computeLogRatio(trials);
     if (logRatio == -numeric_limits<double>::infinity()) {
         trials.reject();
-        entry.impossible++;
+        entry.counts.impossible++;
         return false;
     }
     if (!stages.decide(trials, logRatio, temperature, rule, random)) {
         trials.reject();
         stages.reject();
-        entry.rejectedByEnergy++;
+        entry.counts.rejectedByEnergy++;
         return false;
     }
     trials.accept();
     stages.accept();
-    entry.accepted++;
+    entry.counts.accepted++;
     return true;
 }
 
 /**
- * Throw an exception if this mode cannot be had in this System, and warn of what makes steps sample another
- * distribution than the user may think.
+ * Throw an exception if this System does not allow this mode, and warn if steps sample another distribution than the
+ * user may expect.
  */
 void TorsionMonteCarloIntegrator::checkBeforeSteps()
 {
@@ -769,8 +767,8 @@ void TorsionMonteCarloIntegrator::checkBeforeSteps()
         checkHardSpheres(system);
     if (isHard && isBesideDynamics && !hasWarnedOfHardSpheres) {
         hasWarnedOfHardSpheres = true;
-        warn("TorsionMonteCarloIntegrator: hard spheres beside dynamics: dynamics knows no limits, so the two sample "
-             "different distributions, and their turns neither; call setStericMode(Soft), or Off");
+        warn("TorsionMonteCarloIntegrator: hard spheres beside dynamics: dynamics has no limits, so the two sample "
+             "different distributions, and alternating them samples neither; call setStericMode(Soft), or Off");
     }
     if (!constraintsAreChecked && system.getNumConstraints() > 0) {
         vector<Vec3> positions;
@@ -801,7 +799,7 @@ void TorsionMonteCarloIntegrator::step(int steps)
         int numTrials = 0;
         do {
             {
-                // Other threads may come in between, and so may handlers of signals.
+                // Other threads and handlers of signals may run between these parts.
 
                 ContextUse use(lock, ContextLock::User);
                 requireBound();
@@ -816,7 +814,7 @@ void TorsionMonteCarloIntegrator::step(int steps)
 }
 
 /**
- * Says for as long as it lives, also if an exception ends its life, that a step with trials begins.
+ * Announces, until the end of the scope, that a step with trials begins.
  */
 class StepBeginning {
 public:
@@ -849,7 +847,7 @@ void TorsionMonteCarloIntegrator::updateContextState()
  * Run trials until a step has ended, or until a signal asks for a pause.
  *
  * @param begin  the number of trials of the step that have been run
- * @return the number of trials that have been run afterwards
+ * @return the new number of trials of the step that have been run
  */
 int TorsionMonteCarloIntegrator::runTrials(int begin, SignalWatch& signals)
 {

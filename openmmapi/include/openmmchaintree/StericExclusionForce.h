@@ -69,8 +69,8 @@ namespace ChainTreePlugin {
  * <b>Limits.</b> A trial is rejected if a pair overlaps beyond its <i>limit</i>. A pair's limit is its tolerance,
  * unless it clashes when sampling starts, that is, at the first trial after the Context was created or the user set
  * positions: then its limit is its overlap at that time. So structures with a few clashes can be sampled, and no clash
- * gets worse than it was. Accepting a proposal that clashes restarts limits from the accepted positions, and
- * restartLimits() from the present ones. getClashes() and hasClash() always use the tolerance.
+ * gets worse. Accepting a proposal that clashes restarts limits from the accepted positions, and restartLimits() from
+ * the present ones. getClashes() and hasClash() always use the tolerance.
  *
  * In a Context driven by a TorsionMonteCarloIntegrator, limits may grow but never shrink if another Integrator of a
  * CompoundIntegrator has moved particles, or a Force at the beginning of a step. Integrators
@@ -81,12 +81,12 @@ namespace ChainTreePlugin {
  * restartLimits() is called. Checkpoints and States hold limits only with a TorsionMonteCarloIntegrator. Without one,
  * every change of positions other than by a proposal restarts the limits.
  *
- * <b>Periodic boundary conditions are not supported.</b> Distances are those between the given positions, without
- * periodic images. If another Force of the System uses periodic boundary conditions, creating a Context
- * warns of this: on the standard error stream, or in Python by a UserWarning.
+ * <b>Periodic boundary conditions are not supported.</b> Distances are computed between the given positions, without
+ * periodic images. If another Force of the System uses periodic boundary conditions, creating a Context warns of this:
+ * on the standard error stream, or in Python by a UserWarning.
  *
- * The force keeps no state of its own: several Contexts may share it. Changing it after a Context was created has no
- * effect on that Context until updateParametersInContext() is called.
+ * The force keeps no state, so several Contexts may share it. Changing it after a Context was created has no effect on
+ * that Context until updateParametersInContext() is called.
  */
 class OPENMM_EXPORT_CHAINTREE StericExclusionForce : public OpenMM::Force {
 public:
@@ -312,7 +312,7 @@ public:
      */
     double getForceConstant() const;
     /**
-     * Set the force constant k of the energy. It has no influence on what is a clash.
+     * Set the force constant k of the energy. It does not influence which pairs clash.
      *
      * @param k  the force constant, at least 0, in kJ/mol/nm^2
      */
@@ -323,9 +323,9 @@ public:
      * and limits grow at the next trial if the new parameters make new clashes.
      *
      * Bonds, torsions, ball joints, closures, exclusions and the number of particles cannot be changed this way: if
-     * they differ from those when the Context was created, this throws an exception. Reinitialize the Context
-     * instead. (Existing bonds and exclusions may be repeated.) If an exception is thrown, for these or for any other
-     * parameters, the Context does not change, and keeps the proposed trial.
+     * they have changed since the Context was created, this throws an exception. Reinitialize the Context instead.
+     * (Existing bonds and exclusions may be repeated.) After an exception the Context is unchanged, and keeps the
+     * proposed trial.
      *
      * This takes O(N log N) time.
      *
@@ -401,7 +401,7 @@ public:
      *
      * @param context   the Context whose positions are the start
      * @param torsions  the indices of the torsions to turn, each at most once
-     * @param changes   what to add to the value of each of these torsions, in radians
+     * @param changes   the change of the value of each of these torsions, in radians
      * @return true if no pair whose distance the trial changes overlaps beyond its limit
      */
     bool proposeTorsions(OpenMM::Context& context, const std::vector<int>& torsions,
@@ -456,9 +456,9 @@ public:
     void getChangedNeighborPairs(OpenMM::Context& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
                                  std::vector<double>& before, std::vector<double>& after) const;
     /**
-     * Move the Context to the proposed positions, whether they clash or not, and recompute virtual sites. If they clash
-     * beyond limits, limits restart from there. The velocities of each link rotate with it. It is an error
-     * if no trial is proposed, or if there are velocities and a constraint that they would break.
+     * Move the Context to the proposed positions, even if they clash, and recompute virtual sites. If they clash beyond
+     * limits, limits restart from these positions. The velocities of each link rotate with it. It is an error if no
+     * trial is proposed, or if turned velocities would break a constraint.
      *
      * @param context  the Context in which the trial was opened
      */
@@ -484,9 +484,9 @@ public:
      */
     void getTorsionAngles(OpenMM::Context& context, std::vector<double>& angles) const;
     /**
-     * Turn all torsions to given values, clashing or not, and recompute virtual sites. Like setting positions, this
-     * restarts limits. It is an error if one of the torsions is undefined because three of its particles lie on a
-     * straight line, or if one that lies in the ring of a closure would turn.
+     * Turn all torsions to given values, even if this makes clashes, and recompute virtual sites. Like setting
+     * positions, this restarts limits. It is an error if one of the torsions is undefined because three of its
+     * particles lie on a straight line, or if one that lies in the ring of a closure would turn.
      *
      * @param context  the Context to move
      * @param angles   the value of each torsion, in radians
@@ -525,6 +525,7 @@ protected:
 
 private:
     friend class StericExclusionForceImpl;
+    class Call;
     class ParticleInfo;
     bool hasStructureOf(const StericExclusionForce& other) const;
     std::vector<ParticleInfo> particles;

@@ -27,8 +27,7 @@ static vector<ClosedWindows::Pivots> listChoices(unsigned joints, int size, bool
 }
 
 /**
- * Get whether the links of each closure keep their place relative to each other: none of the torsions is between them,
- * or all are.
+ * Get whether the links of each closure keep their relative place: none of the torsions is between them, or all are.
  */
 static bool keepsClosures(const LinkStructure& structure, const vector<WindowStep>& row)
 {
@@ -44,38 +43,27 @@ static bool keepsClosures(const LinkStructure& structure, const vector<WindowSte
 }
 
 /**
- * Get the torsions of a pool on the way from a link to the root, each as it is met.
- */
-static vector<WindowStep> findRootward(const LinkStructure& structure, int link, const vector<bool>& isInPool)
-{
-    vector<WindowStep> way;
-    for (; structure.getLinks()[link].parent != -1; link = structure.getLinks()[link].parent) {
-        const int torsion = structure.getLinks()[link].torsion;
-        if (torsion != -1 && isInPool[torsion])
-            way.push_back({torsion, true});
-    }
-    return way;
-}
-
-/**
  * Get the torsions of a pool in the ring of a closure, in a row from the second of its links to the first.
  */
 static vector<WindowStep> findRing(const LinkStructure& structure, const pair<int, int>& links,
                                    const vector<bool>& isInPool)
 {
-    vector<WindowStep> ring = findRootward(structure, links.second, isInPool);
-    vector<WindowStep> other = findRootward(structure, links.first, isInPool);
-    while (!ring.empty() && !other.empty() && ring.back().torsion == other.back().torsion) {
-        ring.pop_back();
-        other.pop_back();
-    }
-    for (auto step = other.rbegin(); step != other.rend(); ++step)
-        ring.push_back({step->torsion, false});
+    const auto path = structure.findPath(links.second, links.first);
+    vector<WindowStep> ring;
+    auto add = [&](int link, bool isRootward) {
+        const int torsion = structure.getLinks()[link].torsion;
+        if (torsion != -1 && isInPool[torsion])
+            ring.push_back({torsion, isRootward});
+    };
+    for (int link : path.first)
+        add(link, true);
+    for (auto link = path.second.rbegin(); link != path.second.rend(); ++link)
+        add(*link, false);
     return ring;
 }
 
 /**
- * Get whether each torsion of a row moves the next, or each is moved by the next: then all lie on one way to a root.
+ * Get whether each torsion of a row moves the next, or each is moved by the next: then all lie on one path to a root.
  */
 static bool isOnWayToRoot(const LinkStructure& structure, const vector<WindowStep>& row)
 {
@@ -92,7 +80,7 @@ static bool isOnWayToRoot(const LinkStructure& structure, const vector<WindowSte
 }
 
 /**
- * Get the index of a list of choices, which is made if there is none like it.
+ * Get the index of a list of choices, and make the list if there is none.
  */
 int ClosedWindows::findChoices(unsigned joints, int size, bool endsAreFree)
 {
@@ -106,10 +94,10 @@ int ClosedWindows::findChoices(unsigned joints, int size, bool endsAreFree)
 }
 
 /**
- * Add the window of the last torsions of a row. Returns false if they can't be one.
+ * Add the window of the last torsions of a row. Returns false if they are not a window.
  *
- * @param isRing   whether the row is one of a ring: then it is no window unless it leads over a closure or over what
- *                 the ring hangs on
+ * @param isRing   whether the row is part of a ring: then a window must cross a closure or the link on which the ring
+ *                 hangs
  */
 bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<WindowStep>& row, size_t size,
                               bool endsAreFree, bool isRing)
@@ -136,7 +124,7 @@ bool ClosedWindows::addWindow(const LinkStructure& structure, const vector<Windo
 
 ClosedWindows::ClosedWindows(const LinkStructure& structure, const vector<int>& torsions)
 {
-    // Of rows that end with the same torsion all but the longest are parts of it.
+    // The longest row that ends with a torsion includes all others.
 
     const int numTorsions = structure.getTorsionLinks().size();
     vector<vector<WindowStep>> rows(numTorsions);
@@ -147,7 +135,7 @@ ClosedWindows::ClosedWindows(const LinkStructure& structure, const vector<int>& 
                 rows[row.back()].push_back({torsion, false});
         }
 
-    // In a ring one can end anywhere.
+    // In a ring a row can end at any torsion.
 
     vector<bool> isInPool(numTorsions, false);
     for (int torsion : torsions)

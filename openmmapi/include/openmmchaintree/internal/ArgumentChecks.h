@@ -10,7 +10,7 @@ namespace ChainTreePlugin {
  * Throw an OpenMMException unless a value is a finite number and at least 0.
  *
  * @param value  the value to check
- * @param name   what the message calls it, the class it belongs to included
+ * @param name   its name in the message, with its class
  */
 void checkNotNegative(double value, const std::string& name);
 
@@ -18,9 +18,9 @@ void checkNotNegative(double value, const std::string& name);
  * Throw an OpenMMException unless an index is one of 0 ... count-1.
  *
  * @param index  the index to check
- * @param count  how many things there are
- * @param what   what the index is one of, as "particle"
- * @param whose  who named it, the class it belongs to included
+ * @param count  the number of indices
+ * @param what   the kind of thing that it numbers, as "particle"
+ * @param whose  who named it, with the class
  */
 void checkIndex(int index, int count, const std::string& what, const std::string& whose);
 
@@ -28,18 +28,18 @@ void checkIndex(int index, int count, const std::string& what, const std::string
  * Throw an OpenMMException if a number appears twice in a list.
  *
  * @param values   the list
- * @param message  what the message says before the number
+ * @param message  the text of the message before the number
  */
 void checkUnique(std::vector<int> values, const std::string& message);
 
 /**
- * Throw an OpenMMException unless something that was saved can be read: its version is one of 1 ... newest.
+ * Throw an OpenMMException unless the version of saved data is one of oldest ... newest.
  *
  * @param version  the version that was found
  * @param newest   the newest version that can be read
- * @param what     what was saved, as "the XML of a StericExclusionForce"
+ * @param what     the name of the data, as "the XML of a StericExclusionForce"
  */
-void checkVersion(int version, int newest, const std::string& what);
+void checkVersion(int version, int newest, const std::string& what, int oldest = 1);
 
 } // namespace ChainTreePlugin
 

@@ -18,11 +18,10 @@ namespace ChainTreePlugin {
  * A molecule is a connected component of the bonds, a virtual site being tied to the particles that define it, or to
  * those of one side of a torsion if the others are on its axis. Torsions and ball joints cut it into links, which form
  * a tree. Its root is the link with the molecule's fixed particles, else the one with its lowest-numbered particle.
- * Every other link hangs on its parent by one torsion or ball joint, which moves it and everything that hangs on it.
+ * Every other link hangs on its parent by one torsion or ball joint, which moves it and its descendants.
  *
- * A closure keeps two links as they are relative to each other. Its ring are the joints on the way from one to the
- * other: those between them and the link on which both hang or, if they are of two fixed molecules, between them and
- * the roots.
+ * A closure fixes two links relative to each other. Its ring consists of the joints on the path from one link to the
+ * other: the joints up to their common ancestor or, for links of two fixed molecules, up to the roots.
  */
 class OPENMM_EXPORT_CHAINTREE LinkStructure {
 public:
@@ -39,7 +38,7 @@ public:
     };
     class Molecule {
     public:
-        /** The link that is placed in space; all others of the molecule hang on it. */
+        /** The link that is placed in space; all others of the molecule are its descendants. */
         int root;
         /** Whether the root holds fixed particles, so that it never moves. */
         bool fixed;
@@ -76,7 +75,7 @@ public:
         return particleLinks;
     }
     /**
-     * The link that each torsion moves, together with everything that hangs on it.
+     * The link that each torsion moves, together with its descendants.
      */
     const std::vector<int>& getTorsionLinks() const
     {
@@ -84,12 +83,12 @@ public:
     }
     /**
      * Get the four particles of a torsion, those on the root's side first: as they were given, or the other way round.
-     * To add to the torsion's value is to turn what it moves right-handedly about the axis from the second to the
+     * An increase of the torsion's value turns the moved links right-handedly about the axis from the second to the
      * third.
      */
     std::array<int, 4> getTorsionParticles(int torsion) const;
     /**
-     * The link that each ball joint moves, together with everything that hangs on it.
+     * The link that each ball joint moves, together with its descendants.
      */
     const std::vector<int>& getBallJointLinks() const
     {
@@ -114,21 +113,26 @@ public:
         return closures;
     }
     /**
-     * Get a closure in whose ring a link's joint to its parent lies, or -1 if there is none. Only what keeps the
-     * closure may move such a joint.
+     * Get a closure whose ring contains a link's joint to its parent, or -1 if there is none. Only moves that keep the
+     * closure may turn such a joint.
      */
     int getLinkClosure(int link) const
     {
         return linkClosures[link];
     }
     /**
+     * Get the links whose joints lie on the path between two links: from each of the two towards the root, without
+     * their common ancestors.
+     */
+    std::pair<std::vector<int>, std::vector<int>> findPath(int link1, int link2) const;
+    /**
      * Throw an exception if a link's joint lies in the ring of a closure.
      *
-     * @param name  what to call that which names the joint
+     * @param name  who names the joint, for the message
      */
     void checkNoClosure(int link, const std::string& name) const;
     /**
-     * Get whether closures keep two particles as they are relative to each other, as if they were in one link.
+     * Get whether closures fix two particles relative to each other, as if they were in one link.
      */
     bool areKeptTogether(int particle1, int particle2) const
     {
@@ -151,19 +155,19 @@ public:
     }
     /**
      * Get the name of a torsion or ball joint that changes the distance between two particles of one molecule, as
-     * "torsion 3", or nothing if none does. Particles on the axis of a torsion keep their distance to both sides of it,
+     * "torsion 3", or an empty text if none does. A particle on the axis of a torsion keeps its distance to both sides,
      * and so does the particle about which a ball joint turns.
      */
     std::string findJointBetween(int particle1, int particle2) const;
     /**
-     * The same of a joint that turns the line between two particles relative to one of their links: any joint between
-     * them, but for a torsion about that line.
+     * The same for a joint that turns the line between two particles relative to one of their links: any joint between
+     * them except a torsion about that line.
      */
     std::string findJointTurning(int particle1, int particle2) const;
 
     /**
-     * Get numbers that two structures share if, and only if, they have the same links, hanging on each other in the
-     * same way: then a state of the one can be a state of the other.
+     * Get numbers that are equal for two structures if and only if they have the same tree of links, so that they share
+     * states.
      */
     std::vector<int> describe() const;
 
@@ -193,9 +197,9 @@ private:
     /** The particles of the bonds of closures, the lower first, and the links that they keep together. */
     std::vector<std::pair<int, int>> closureBonds, closures;
     std::vector<int> linkClosures;
-    /** A link that stands for all that closures keep together with this one. */
+    /** One representative of the links that closures fix to this one. */
     std::vector<int> keptWith;
-    /** The place of each link in an order in which all that hangs on it follows it, up to the place in `ends`. */
+    /** The place of each link in depth-first order; its descendants follow it, up to the place in `ends`. */
     std::vector<int> order, ends;
 };
 

@@ -18,10 +18,17 @@ namespace ChainTreePlugin {
 
 /**
  * The moves of a TorsionMonteCarloIntegrator: their weights, the results of their trials, and their checkpoints. It
- * knows no kind of move.
+ * depends on no kind of move.
  */
 class OPENMM_EXPORT_CHAINTREE MoveList {
 public:
+    /**
+     * The numbers of trials by their results.
+     */
+    class Counts {
+    public:
+        long long impossible, clashed, rejectedByEnergy, accepted;
+    };
     /**
      * A move, its weight, and the results of its trials.
      */
@@ -29,12 +36,8 @@ public:
     public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
-        long long impossible, clashed, rejectedByEnergy, accepted;
+        Counts counts;
         SizeAdaptation adaptation;
-        void resetCounts()
-        {
-            impossible = clashed = rejectedByEnergy = accepted = 0;
-        }
         /**
          * Adapt the size of the move to the result of a trial.
          */
@@ -49,7 +52,7 @@ public:
      */
     class Progress {
     public:
-        std::vector<long long> statistics;
+        std::vector<Counts> statistics;
         std::vector<double> scales;
         std::vector<SizeAdaptation::State> adaptations;
     };
@@ -63,7 +66,7 @@ public:
      */
     int add(std::unique_ptr<MonteCarloMove> move, double weight);
     /**
-     * Put another move in the place of one. Its counts start from 0.
+     * Replace a move. The counts start from 0.
      */
     void set(int index, std::unique_ptr<MonteCarloMove> move, double weight);
     void remove(int index);
@@ -97,7 +100,7 @@ public:
     /**
      * Draw a move by its weight.
      *
-     * @param weightSum  what sumWeights() returned
+     * @param weightSum  the result of sumWeights()
      */
     Entry& draw(double weightSum, RandomNumberGenerator& random);
     void resetStatistics();
@@ -112,11 +115,11 @@ public:
     /**
      * Get the counts of all moves, for setStatistics().
      */
-    std::vector<long long> getStatistics() const;
+    std::vector<Counts> getStatistics() const;
     /**
      * Set the counts that getStatistics() returned.
      */
-    void setStatistics(const std::vector<long long>& statistics);
+    void setStatistics(const std::vector<Counts>& statistics);
 
     // ---- XML ----
 
@@ -136,8 +139,8 @@ public:
      */
     void createCheckpoint(CheckpointWriter& writer) const;
     /**
-     * Read what createCheckpoint() wrote, and return the progress for setProgress(). It is an error if these are not
-     * the moves of that checkpoint.
+     * Read the result of createCheckpoint(), and return the progress for setProgress(). It is an error if the moves of
+     * the checkpoint are others.
      */
     Progress readCheckpoint(CheckpointReader& reader) const;
     void setProgress(const Progress& progress);
@@ -146,13 +149,12 @@ public:
      */
     void writeProgress(OpenMM::SerializationNode& node) const;
     /**
-     * Read the progress that writeProgress() wrote, for setProgress(), if these are the moves that it wrote it of.
-     * Returns whether they are.
+     * Read the result of writeProgress(), for setProgress(). Returns false if its moves are others.
      */
     bool readProgress(const OpenMM::SerializationNode& node, Progress& progress) const;
 
 private:
-    /** What a move is, in names and values. */
+    /** The kind, weight and parameters of a move, by name. */
     typedef std::vector<std::pair<std::string, std::string>> Description;
     static Description describe(const Entry& entry);
     static void checkSame(int index, const Description& written, const Description& own);

@@ -12,14 +12,14 @@
 namespace ChainTreePlugin {
 
 /**
- * The outer tests of a series of trials. A part U1 of U, or an approximation, decides about each trial. After a block
- * of trials, a test accepts the state to which they have led, or restores the state from which they began.
+ * The outer tests of a series of trials. A part or an approximation U1 of U decides each trial. After a block of
+ * trials, a test accepts their final state, or restores the state before them.
  *
  * This samples exp(-U/kT) exactly. The trials of a block are a Markov chain P that is reversible for exp(-U1/kT), and
  * so is any number of them: exp(-U1(x)/kT) P(x, y) = exp(-U1(y)/kT) P(y, x). With D = U - U1, a block that leads from x
- * to y is accepted with probability min(1, exp(-(D(y) - D(x))/kT)), whose ratio to that of y to x is the exponential
- * alone. The product of both is detailed balance for exp(-U/kT). This needs that U1 is a function of the state alone
- * during the block, and that a rejected block restores all of x.
+ * to y is accepted with probability min(1, exp(-(D(y) - D(x))/kT)), whose ratio to the probability from y to x is the
+ * exponential alone. The product of both is detailed balance for exp(-U/kT). This needs that U1 is a function of the
+ * state alone during the block, and that a rejected block restores all of x.
  *
  * At a temperature of 0 a block is accepted if U has not gone up.
  */
@@ -65,7 +65,7 @@ public:
     }
 
 private:
-    /** What a test compares. */
+    /** The energies that a test compares. */
     class Energies {
     public:
         /** U - U1. */
@@ -94,7 +94,7 @@ private:
     bool stateIsSaved;
     /** Of the state where the block begins. */
     Energies start;
-    std::vector<long long> savedMoveCounts;
+    std::vector<MoveList::Counts> savedMoveCounts;
     std::vector<EnergyStages::Statistics> savedStageCounts;
 };
 

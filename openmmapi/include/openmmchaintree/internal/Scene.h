@@ -18,11 +18,11 @@ namespace ChainTreePlugin {
 
 /**
  * The spheres of a StericExclusionForce in the engine, whose manual is chaintree.h: the positions, the open trial, the
- * limits of pairs, and the energy of trials. This class turns torsions and molecules into links, what the engine finds
- * into sorted arrays, and status codes into exceptions. It never looks into a Context.
+ * limits of pairs, and the energy of trials. This class turns torsions and molecules into links, results of the engine
+ * into sorted arrays, and status codes into exceptions. It knows no Context.
  *
- * The caller, who knows their names, checks the indices of torsions, ball joints and molecules, and what is proposed
- * for them. The engine checks everything else. A call that throws an exception leaves the state as it was.
+ * The caller checks indices of torsions, ball joints and molecules, and the values of proposals. The engine checks
+ * everything else. A call that throws an exception does not change the state.
  *
  * Before setPositions() or setState(), only copyParameters(), getState(), clearLimits(), getNumLimits(), getLimits(),
  * reject(), and setTerms() and countChangeableTerms() of the energy may be called.
@@ -60,12 +60,12 @@ public:
      */
     void getPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     /**
-     * Get the state as numbers, without limits and the open trial. Before there are positions, there are no numbers.
+     * Get the state as numbers, without limits and the open trial; empty before there are positions.
      */
     void getState(std::vector<double>& state);
     /**
-     * Make numbers that getState() gave for the same LinkStructure the state. Everything then has the bits that it has
-     * in the scene of these numbers. Drops the open trial and all limits.
+     * Set the state from numbers that getState() returned for the same LinkStructure, bit for bit. Drops the open trial
+     * and all limits.
      */
     void setState(const std::vector<double>& state);
     /**
@@ -73,7 +73,7 @@ public:
      */
     void save();
     /**
-     * Restore what save() has saved, bit for bit. It stays saved. Drops the open trial.
+     * Restore the saved state, bit for bit. It remains saved. Drops the open trial.
      */
     void restore();
     /**
@@ -99,7 +99,10 @@ public:
                               int& particle2);
     void getClashesWith(const OpenMM::Vec3& position, double radius, std::vector<int>& particles,
                         std::vector<double>& overlaps);
-    void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
+    /**
+     * Add the operation counts of this scene to others.
+     */
+    void addTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
                                 long long& nodesUpdated) const;
     void resetTraversalStatistics();
 
@@ -110,16 +113,17 @@ public:
      */
     void clearLimits();
     /**
-     * Make the present overlap the limit of every pair that overlaps beyond its limit.
+     * Raise the limit of every pair that overlaps beyond it to the present overlap.
      */
     void raiseLimits();
     int getNumLimits() const;
     /**
-     * Get the pairs with a limit of their own, sorted, and these limits.
+     * Get the pairs whose limit is not the tolerance, sorted, and these limits.
      */
     void getLimits(std::vector<std::pair<int, int>>& pairs, std::vector<double>& limits) const;
     /**
-     * Make these the only pairs with a limit of their own. A limit below the tolerance of its pair has no effect.
+     * Set the limits of these pairs, and make the tolerance the limit of all others. A limit below the tolerance of its
+     * pair has no effect.
      */
     void setLimits(const std::vector<std::pair<int, int>>& pairs, const std::vector<double>& limits);
 
@@ -135,11 +139,11 @@ public:
     void getTrialPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     /**
      * Get the positions of the open trial in an array of this object, which the next call of this function or of
-     * followState() changes. It computes only what has moved since the last such call.
+     * followState() changes. Only particles that have moved since the last such call are computed.
      */
     const std::vector<OpenMM::Vec3>& followTrial();
     /**
-     * Get the positions of the state in that same array.
+     * Get the positions of the state in the same array.
      */
     const std::vector<OpenMM::Vec3>& followState();
     /**
@@ -174,7 +178,7 @@ private:
         std::unique_ptr<ctSelection, Deleter> selection;
     };
     typedef std::vector<std::array<int, 2>> PairList;
-    /** What save() has saved, without the energy. */
+    /** The saved state, without the energy. */
     struct SavedState {
         bool exists = false;
         std::vector<double> numbers;
@@ -190,15 +194,15 @@ private:
     void copyLimits(ctChainTree* created) const;
     ctSelection* prepare(const std::vector<int>& particles, PreparedSet& set) const;
     SceneDefinition definition;
-    /** The engine's scene. It is made when there are positions, because the engine arranges it by them. */
+    /** The engine's scene. It is made when there are positions, because its layout depends on them. */
     Tree tree;
-    /** The positions that it was made from. */
+    /** The positions from which it was made. */
     std::vector<OpenMM::Vec3> arrangement;
     SceneEnergy energy;
     SavedState saved;
     /** The changes of a trial in the engine's form. They stay allocated from trial to trial. */
     std::vector<ctChange> changes;
-    /** What followTrial() or followState() returned last; empty if that was of another tree. */
+    /** The last result of followTrial() or followState(); empty if it was of another tree. */
     std::vector<OpenMM::Vec3> followed;
     /** The pairs of the last getNeighborPairs(). They stay allocated, since the next list is about as long. */
     std::vector<int> neighbors1, neighbors2;

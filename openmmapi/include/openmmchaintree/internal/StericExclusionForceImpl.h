@@ -21,10 +21,10 @@
 namespace ChainTreePlugin {
 
 /**
- * This is the internal implementation of StericExclusionForce: its life in one Context.
+ * The internal implementation of StericExclusionForce in one Context.
  *
  * The kernel makes the Scene, which holds the geometry. This class keeps the scene's state and the Context's positions
- * the same and checks arguments. A LimitPolicy decides when limits restart, and a TrialSession runs trials.
+ * equal, and checks arguments. A LimitPolicy decides when limits restart, and a TrialSession runs trials.
  * CustomCPPForceImpl brings energy and forces to every Platform.
  */
 class OPENMM_EXPORT_CHAINTREE StericExclusionForceImpl : public OpenMM::CustomCPPForceImpl {
@@ -36,19 +36,19 @@ public:
         return owner;
     }
     /**
-     * Throw an exception unless initialize() has succeeded. Context::reinitialize() leaves a Context half made if a
-     * Force or the Integrator refuses it.
+     * Throw an exception unless initialize() has succeeded. Context::reinitialize() leaves an incomplete Context if a
+     * Force or the Integrator throws an exception.
      */
     void requireInitialized() const;
     /**
-     * Get what expires when this object is destroyed.
+     * Get a pointer that expires when this object is destroyed.
      */
     std::weak_ptr<const void> getLife() const
     {
         return life;
     }
     /**
-     * Get what keeps calls on the Context to one thread at a time.
+     * Get the lock that lets one thread at a time use the Context.
      */
     const std::shared_ptr<ContextLock>& getLock() const
     {
@@ -68,7 +68,7 @@ public:
         return *structure;
     }
     /**
-     * Get the scene that tests the trials of an integrator and computes their energies: that of the force, or one with
+     * Get the scene that tests the trials of an integrator and computes their energies: the force's own, or one with
      * other spheres. Only this object and a TrialSession may change its state.
      */
     Scene& getTrialScene()
@@ -76,16 +76,16 @@ public:
         return *trialScene;
     }
     /**
-     * Set the spheres by which the trials of an integrator are tested; empty: the spheres of the force. If they differ
-     * from those before, call this before setEnergyTerms().
+     * Set the spheres that test the trials of an integrator; empty: the spheres of the force. Call this before
+     * setEnergyTerms().
      */
     void setTrialSpheres(const CoreSpheres& spheres);
     /**
-     * Get whether no spheres of setTrialSpheres() overlap. Until then, trials cannot be tested by them.
+     * Get whether no spheres of setTrialSpheres() overlap. Until then, they cannot test trials.
      */
     bool trialSpheresAreFree();
     /**
-     * Make another scene of the structure that the Context was made with, without a state.
+     * Make another scene of the force as it was when the Context was created, without a state.
      */
     std::unique_ptr<Scene> createScene() const
     {
@@ -94,11 +94,11 @@ public:
     /**
      * Give the scene of trials the terms of their energy.
      *
-     * @param owner  whose they are; several integrators may drive one force in turns
+     * @param owner  the integrator that sets them; several integrators may use one force in turns
      */
     void setEnergyTerms(const EnergyTerms& terms, const void* owner);
     /**
-     * Get whose terms the scene has, or NULL.
+     * Get the owner of the scene's terms, or NULL.
      */
     const void* getOwnerOfEnergyTerms() const
     {
@@ -107,24 +107,20 @@ public:
 
     // The calls of StericExclusionForce. Each first takes notice of the Context's positions.
 
-    bool hasClash(OpenMM::ContextImpl& context);
-    void getClashes(OpenMM::ContextImpl& context, std::vector<std::pair<int, int>>& pairs,
-                    std::vector<double>& overlaps);
-    void getNeighborPairs(OpenMM::ContextImpl& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
-                          std::vector<double>& distances);
-    double getMinimumDistance(OpenMM::ContextImpl& context, const std::vector<int>& particles1,
-                              const std::vector<int>& particles2, int& particle1, int& particle2);
-    void getClashesWith(OpenMM::ContextImpl& context, const OpenMM::Vec3& position, double radius,
-                        std::vector<int>& particles, std::vector<double>& overlaps);
+    /**
+     * Get the scene with the force's spheres, for queries about the Context's positions.
+     */
+    Scene& queryState(OpenMM::ContextImpl& context);
+    /**
+     * Get the same for queries about the open trial of a user. It is an error if there is none.
+     */
+    Scene& queryTrial(OpenMM::ContextImpl& context);
     bool proposeTorsions(OpenMM::ContextImpl& context, const std::vector<int>& torsions,
                          const std::vector<double>& changes);
     bool proposeBallRotations(OpenMM::ContextImpl& context, const std::vector<int>& ballJoints,
                               const std::vector<OpenMM::Vec3>& rotations);
     bool proposeRigidMotion(OpenMM::ContextImpl& context, int particle, const OpenMM::Vec3& rotation,
                             const OpenMM::Vec3& translation);
-    void getProposedPositions(OpenMM::ContextImpl& context, std::vector<OpenMM::Vec3>& positions);
-    void getChangedNeighborPairs(OpenMM::ContextImpl& context, double cutoff, std::vector<std::pair<int, int>>& pairs,
-                                 std::vector<double>& before, std::vector<double>& after);
     void acceptProposal(OpenMM::ContextImpl& context);
     void rejectProposal();
     void getTraversalStatistics(long long& queries, long long& volumeTests, long long& particleTests,
@@ -139,11 +135,6 @@ public:
      * Turn all torsions to given values and restart limits.
      */
     void setTorsionAngles(OpenMM::ContextImpl& context, const std::vector<double>& angles);
-    /**
-     * Get the number of pairs whose limit is not their tolerance.
-     */
-    int getNumToleratedClashes(OpenMM::ContextImpl& context);
-
     // The calls of TorsionMonteCarloIntegrator. Its trials are those of a TrialSession.
 
     /**
@@ -154,16 +145,16 @@ public:
         return limits;
     }
     /**
-     * Get what turns the Context's velocities with links.
+     * Get the VelocityTurner of the Context.
      */
     VelocityTurner& getVelocityTurner()
     {
         return *velocities;
     }
     /**
-     * Restart limits because positions were set, unless this object or a checkpoint has set them.
+     * Restart limits if the user has set positions, not this object or a checkpoint.
      *
-     * @param restored  the positions that a checkpoint has just restored, or empty if none has
+     * @param restored  the positions that a checkpoint has just restored, or empty
      */
     void positionsWereSet(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& restored);
     /**
@@ -176,20 +167,21 @@ public:
     void setLimits(OpenMM::ContextImpl& context, const std::vector<std::pair<int, int>>& pairs,
                    const std::vector<double>& limits);
     /**
-     * Write everything that decides how sampling continues, except the open trial and the structure.
+     * Write everything on which further sampling depends, except the open trial and the structure.
      */
     void createCheckpoint(CheckpointWriter& writer);
     /**
-     * Throw an exception if loadCheckpoint() could not take over what createCheckpoint() wrote for the same structure.
+     * Throw an exception if loadCheckpoint() could not use the geometry of a checkpoint.
      */
     void checkCheckpoint(OpenMM::ContextImpl& context, const KeptGeometry& kept) const;
     /**
-     * Get whether the Context has the positions of a checkpoint, but for periodic images. Throws an exception if it can
-     * only have damaged ones.
+     * Get whether the Context has the positions of a checkpoint, up to periodic images. Throws an exception if its
+     * positions are damaged.
      */
     bool havePositionsOf(OpenMM::ContextImpl& context, const KeptGeometry& kept) const;
     /**
-     * Use what checkCheckpoint() has checked, in a Context whose positions were restored already.
+     * Use the geometry of a checkpoint that checkCheckpoint() has checked, in a Context whose positions are restored
+     * already.
      */
     void loadCheckpoint(const KeptGeometry& kept);
     /**
@@ -201,7 +193,6 @@ private:
     friend class TrialSession;
     OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
     void updatePositions(OpenMM::ContextImpl& context);
-    void updateState(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     bool propose(OpenMM::ContextImpl& context, const Proposal& proposal);
     void requireProposal() const;
@@ -231,7 +222,7 @@ private:
     /** The scene whose state was changed last, and whether the other one lacks that state. */
     Scene* newest;
     bool otherIsBehind;
-    /** Whether trialSpheresAreFree() has found so since the state was changed by something else than trials. */
+    /** Whether trialSpheresAreFree() was true since something other than trials changed the state. */
     bool trialSpheresWereFree;
     const void* energyTermsOwner;
     LimitPolicy limits;
