@@ -33,7 +33,7 @@ typedef struct Changes {
   Revision* shortcutRevision;
 
   /* A ring of the last leaves in which slots have moved, and the last change of which it does not list the leaves. */
-  int64_t listedCount;
+  uint64_t listedCount;
   LeafChange listed[LISTED_LEAVES];
   Revision unlisted;
 } Changes;
@@ -52,9 +52,9 @@ static inline void listLeaf(Changes* c, int leaf) {
   c->listed[c->listedCount++ % LISTED_LEAVES] = (LeafChange){leaf, c->now};
 }
 
-/* The leaf that was listed last but `k`, and when. */
+/* The leaf that was listed last but `k`, and when; the revision is 0 before the first. */
 static inline LeafChange listedLeaf(const Changes* c, int k) {
-  return c->listed[(c->listedCount - 1 - k) % LISTED_LEAVES];
+  return c->listed[(c->listedCount - 1 - (uint64_t)k) % LISTED_LEAVES];
 }
 
 /* True if the state has changed since a revision. */
