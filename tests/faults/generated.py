@@ -12,7 +12,8 @@ _C_OPERATORS = {"&&": "||", "||": "&&", "+": "-", "-": "+"}
 _PYTHON_OPERATORS = {"and": "or", "or": "and", "+": "-", "-": "+"}
 _NUMBER = re.compile(r"(?=.*[1-9])(\d+\.\d*|\.\d+|\d+(\.\d*)?[eE]-?\d+)f?$")
 _MARGIN = re.compile(r"[A-Z_]*(MARGIN|ROUNDING|FLOOR|SLACK|TOLERANCE|EPSILON)[A-Z_]*$")
-_NO_CALLS = ("if", "for", "while", "switch", "return", "sizeof", "catch", "assert", "raise", "print")
+_NO_CALLS = ("if", "for", "while", "switch", "return", "sizeof", "catch", "assert", "raise")
+_CALLS_WITHOUT_EFFECT = ("print", "__builtin_prefetch")  # on results
 
 
 def draw(layer: Layer, count: int, seed: int) -> list[Edit]:
@@ -70,7 +71,7 @@ def _zero(words: list[str], i: int) -> str | None:
 
 
 def _beginsStatement(source: Source, tokens: list[Token], i: int, python: bool) -> bool:
-    if not re.match(r"[A-Za-z_]\w*$", tokens[i].text) or tokens[i].text in _NO_CALLS:
+    if not re.match(r"[A-Za-z_]\w*$", tokens[i].text) or tokens[i].text in _NO_CALLS + _CALLS_WITHOUT_EFFECT:
         return False
     if python:
         isFirstOfLine = "\n" in source.text[tokens[i - 1].end : tokens[i].begin]
