@@ -12,6 +12,7 @@ typedef struct Layout {
   int* slots;      /* of the vertex itself, 0 for fixed links */
   int* filled;     /* slots with particles of the vertex and all below it */
   int* weight;     /* slots of the vertex and all below it */
+  int* padding;    /* of a branch of the world: empty slots before it */
   int* childBegin; /* vertexCount + 1 */
   int* children;   /* in sequence order */
   int* breadthFirst;
@@ -123,6 +124,31 @@ static void orderChildren(Layout* layout) {
   }
 }
 
+/* True if a branch of the world is a molecule that moves freely and fills half a leaf or more. */
+static bool ownsLeaves(const Layout* layout, const ctDefinition* d, int vertex) {
+  return d->linkJoints[vertex - 1] == ctFreeJoint && layout->weight[vertex] >= TREE_WIDTH / 2;
+}
+
+/* Empty slots before each branch of the world, and thus at the end of the one before it, so that a molecule that owns
+ * its leaves shares none with others: such a leaf would reach from one molecule to the other. */
+static int padBranches(Layout* layout, const ctDefinition* d) {
+  const int64_t width = TREE_WIDTH;
+  int64_t slots = layout->slots[0];
+  int64_t padding = 0;
+  bool ownedBefore = false;
+  for (int c = 0; c < layout->childBegin[1]; c++) {
+    const int vertex = layout->children[c];
+    const bool owns = ownsLeaves(layout, d, vertex);
+    /* The first slot alone is that of a world without particles. */
+    const bool isShared = ownedBefore || (owns && slots > 1);
+    layout->padding[vertex] = isShared ? (int)((width - slots % width) % width) : 0;
+    padding += layout->padding[vertex];
+    slots += layout->padding[vertex] + layout->weight[vertex];
+    ownedBefore = owns;
+  }
+  return (int)padding;
+}
+
 /* Numbers links depth-first, and finds one past the last link that hangs on each. */
 static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
   int* stack = layout->breadthFirst;
@@ -137,6 +163,7 @@ static void numberLinks(Layout* layout, Sequence* s, const ctDefinition* d) {
     if (s->parent[link] == 0) {
       s->branchHead[s->branchCount++] = link;
     }
+    s->slotBegin[link] += layout->padding[vertex];
     s->slotBegin[link + 1] = s->slotBegin[link] + layout->slots[vertex];
     for (int c = layout->childBegin[vertex + 1] - 1; c >= layout->childBegin[vertex]; c--) {
       stack[depth++] = layout->children[c];
@@ -270,6 +297,7 @@ static bool allocateLayout(Layout* layout, Arena* arena, int vertexCount) {
   layout->slots = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->filled = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->weight = ctArenaAllocate(arena, vertices, sizeof(int));
+  layout->padding = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->childBegin = ctArenaAllocate(arena, vertices + 1, sizeof(int));
   layout->children = ctArenaAllocate(arena, vertices, sizeof(int));
   layout->breadthFirst = ctArenaAllocate(arena, vertices, sizeof(int));
@@ -293,12 +321,12 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   s->particleCount = d->particleCount;
   s->userLinkCount = d->linkCount;
   s->linkCount = layout.breadthCount;
-  s->slotCount = layout.weight[0];
+  orderMolecules(&layout, d);
+  orderChildren(&layout);
+  s->slotCount = layout.weight[0] + padBranches(&layout, d);
   s->slotlessCount = d->particleCount - layout.filled[0];
   bool built = allocateSequence(s, arena, d, layout.childBegin[1]);
   if (built) {
-    orderMolecules(&layout, d);
-    orderChildren(&layout);
     numberLinks(&layout, s, d);
     fillSlots(&layout, s, d);
     listSlotless(&layout, s, d);

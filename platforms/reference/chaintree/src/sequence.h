@@ -19,7 +19,8 @@
  *
  * A slot is the index of a particle in the sequence: slots are in the order of their links. Particles that are modelled
  * have one, and those without a radius that are listed, which to all volumes are as if the slot were empty. A link
- * without such particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. */
+ * without such particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. Empty slots
+ * fill the last leaf of a molecule of half a leaf or more, and that of what is before it, so that it shares no leaf. */
 #ifndef CT_SEQUENCE_H_
 #define CT_SEQUENCE_H_
 

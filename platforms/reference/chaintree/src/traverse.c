@@ -82,11 +82,19 @@ View ctViewOfState(double reach) {
   return (View){&whole, 1, NULL, 1, reach};
 }
 
+/* Slots [begin, end) without those at their end that hold no particle, such as fill a molecule's last leaf. */
+static int withoutPadding(const Tree* tree, int begin, int end) {
+  while (end > begin + 1 && tree->leaf[coveringNode(end - 1)].r[memberIndex(end - 1)] < 0) {
+    end--;
+  }
+  return end;
+}
+
 bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) {
   int p = 0;
   if (view->pieceCount == 3 && view->pieces[0].body == 0 && view->pieces[1].body != 0 && view->pieces[2].body == 0) {
     *begin = view->pieces[1].slotBegin;
-    *end = view->pieces[2].slotBegin;
+    *end = withoutPadding(t->tree, *begin, view->pieces[2].slotBegin);
     return *end - *begin <= MOST_MOVERS && treeTop(t->tree) > 0;
   }
   while (p < view->pieceCount && view->pieces[p].body == 0) {
@@ -99,7 +107,7 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
   while (p < view->pieceCount && view->pieces[p].body != 0) {
     p++;
   }
-  *end = p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount;
+  *end = withoutPadding(t->tree, *begin, p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount);
   return p + 1 >= view->pieceCount && *end - *begin <= MOST_MOVERS;
 }
 
