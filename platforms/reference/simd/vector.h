@@ -20,6 +20,12 @@ static inline void cross(const double a[3], const double b[3], double c[3]) {
 
 /* c may be a or b. Without a loop, so that compilers keep short arrays in registers: they make vectors of loops, which
  * load at once what has been stored in parts, and a processor waits for that. */
+static inline void add(double sum[3], const double x[3]) {
+  sum[0] += x[0];
+  sum[1] += x[1];
+  sum[2] += x[2];
+}
+
 static inline void subtract(const double a[3], const double b[3], double c[3]) {
   const double x = a[0] - b[0];
   const double y = a[1] - b[1];

@@ -121,6 +121,9 @@ typedef struct ctDefinition {
   int exclusionCount;
   const int (*exclusions)[2]; /* pairs that never clash and are in no list, either order; repeats are harmless */
 
+  const double (*box)[3]; /* the three vectors of a periodic box, nm, reduced as OpenMM's are, or NULL: not periodic.
+                             In a box every pair counts in all images, and an exclusion holds in all of them */
+
   double overlapTolerance;      /* nm, >= 0: overlap that every pair may have */
   double hydrogenBondAllowance; /* nm, >= 0: added where one particle may donate and the other accept */
 } ctDefinition;
@@ -181,6 +184,11 @@ bool ctHasStructure(const ctChainTree* tree, const ctDefinition* definition);
  */
 ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
 
+/* Sets the vectors of the periodic box, as in ctDefinition; NULL: none. Makes the positions of the state the reference
+ * positions, as ctSetPositions does. O(N). Errors: vectors that are not reduced; a box that is narrower, between two
+ * opposite faces, than twice the largest distance at which two particles may clash; no memory. */
+ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]);
+
 /* Writes the 3 * particleCount coordinates (nm) of the state. Particles of a molecule in its reference state keep their
  * reference bits, fixed particles always. O(N). */
 void ctGetPositions(ctChainTree* tree, double* positions);
@@ -204,8 +212,9 @@ void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions);
 /* The state as numbers, to be stored and set again: the reference positions (3 * particleCount, nm); then for each
  * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
  * ball joint its rotation since then in its parent's frame (unit quaternion w, x, y, z), if a free joint the same and
- * its origin in its parent's frame (nm).
- * ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of the state. O(N). */
+ * its origin in its parent's frame (nm); in a periodic box, if it has no parent, also by how many of each box vector
+ * the engine has it shifted. ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of
+ * the state. O(N). */
 size_t ctGetStateSize(const ctChainTree* tree);
 void ctGetState(const ctChainTree* tree, double* state);
 

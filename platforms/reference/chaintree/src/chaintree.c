@@ -26,6 +26,29 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
          ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
 
+/* Sets the box. Writes what is wrong with it, if anything, and returns false. */
+static bool takeBox(ctChainTree* scene, const double (*vectors)[3], char* text, size_t size) {
+  PeriodicBox box = {.isPeriodic = vectors != NULL};
+  if (vectors != NULL) {
+    const char* fault = ctFindBoxFault(vectors);
+    if (fault != NULL) {
+      snprintf(text, size, "the vectors of the periodic box %s", fault);
+      return false;
+    }
+    memcpy(box.vectors, vectors, sizeof box.vectors);
+    const double reach = 2 * ctLargestRadius(&scene->sequence) - scene->overlapTolerance;
+    if (2 * reach > ctBoxWidth(&box)) {
+      snprintf(text, size,
+               "the periodic box is %g nm wide; it must be twice as wide as particles reach, which is %g nm",
+               ctBoxWidth(&box), reach);
+      return false;
+    }
+  }
+  scene->sequence.box = box;
+  ctRecentClashesForget(&scene->recentClashes);
+  return true;
+}
+
 static void takeReference(ctChainTree* scene, const double* positions) {
   ctSequenceSetReference(&scene->sequence, positions);
   ctTreeMakeOutdated(&scene->ownTree);
@@ -33,6 +56,23 @@ static void takeReference(ctChainTree* scene, const double* positions) {
   ctMergedForget(scene);
   ctLeavesForget(&scene->leaves);
   scene->changeCount++;
+}
+
+ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]) {
+  CT_REQUIRE(tree, tree);
+  const size_t count = 3 * (size_t)tree->sequence.particleCount;
+  double* positions = malloc(count > 0 ? count * sizeof *positions : 1);
+  if (positions == NULL) {
+    return ctFailOutOfMemory(tree);
+  }
+  ctGetPositions(tree, positions);
+  const bool isTaken = takeBox(tree, box, tree->errorText, sizeof tree->errorText);
+  if (isTaken) {
+    ctReject(tree);
+    takeReference(tree, positions);
+  }
+  free(positions);
+  return isTaken ? ctSuccess : ctInvalidArgument;
 }
 
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
@@ -60,6 +100,10 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
     return ctOutOfMemory;
   }
   scene->overlapTolerance = definition->overlapTolerance;
+  if (!takeBox(scene, definition->box, errorText, errorSize)) {
+    ctDestroy(scene);
+    return ctInvalidArgument;
+  }
   ctChooseTesters(scene);
   scene->hydrogenBondAllowance = definition->hydrogenBondAllowance;
   takeReference(scene, definition->positions);
@@ -263,8 +307,10 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
   }
   const Sequence* s = &tree->sequence;
   const int particles = ctTreeSum(ctSceneTree(tree), s, own, sequenceEnd(s, own), centroid);
+  double shift[3];
+  ctSequenceShift(s, sequenceBranch(s, own), shift);
   for (int k = 0; k < 3; k++) {
-    centroid[k] = s->worldOrigin[k] + centroid[k] / particles;
+    centroid[k] = s->worldOrigin[k] + centroid[k] / particles - shift[k];
   }
   return ctSuccess;
 }
@@ -281,6 +327,25 @@ static Frame userFrame(const Sequence* s, int link) {
   return frame;
 }
 
+/* The frame of link b in that of link a, where callers have both. */
+static Frame relativeFrame(const Tree* tree, const Sequence* s, int a, int b) {
+  Frame frame = ctTreeRelative(tree, s, a, b);
+  if (s->box.isPeriodic) {
+    const Frame own = ctTreeRelative(tree, s, 0, a);
+    double shiftA[3];
+    double shiftB[3];
+    ctSequenceShift(s, sequenceBranch(s, a), shiftA);
+    ctSequenceShift(s, sequenceBranch(s, b), shiftB);
+    double apart[3];
+    subtract(shiftA, shiftB, apart);
+    rotateBack(&own, apart, apart);
+    for (int k = 0; k < 3; k++) {
+      frame.m[k][3] += apart[k];
+    }
+  }
+  return frame;
+}
+
 static void copyRotation(const Frame* frame, double rotation[9]) {
   for (int i = 0; i < 3; i++) {
     memcpy(rotation + 3 * (size_t)i, frame->m[i], 3 * sizeof(double));
@@ -293,7 +358,7 @@ ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTrans
     return failNoLink(tree, isUserLink(tree, linkA) ? linkB : linkA);
   }
   const Sequence* s = &tree->sequence;
-  const Frame between = ctTreeRelative(ctSceneTree(tree), s, sequenceLink(s, linkA), sequenceLink(s, linkB));
+  const Frame between = relativeFrame(ctSceneTree(tree), s, sequenceLink(s, linkA), sequenceLink(s, linkB));
   const Frame a = userFrame(s, linkA);
   const Frame b = userFrame(s, linkB);
   const Frame fromA = transformInverse(&a);

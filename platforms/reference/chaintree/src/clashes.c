@@ -8,10 +8,13 @@ static bool testCandidate(void* context, int slotA, int slotB, double squaredDis
   const double sum = radiusSum(tree, slotA, slotB);
   const double tolerance = pairTolerance(tree, slotA, slotB);
   double overlap = sum - sqrt(squaredDistance);
-  if (fabs(overlap - tolerance) <= clashes->sweep->snapshot.tieBand) {
+  const Traversal* traversal = &tree->traversal;
+  const double tieBand = traversal->image != NULL ? traversal->tieBand : clashes->sweep->snapshot.tieBand;
+  if (fabs(overlap - tolerance) <= tieBand) {
     overlap = sum - canonicalDistance(tree, slotA, slotB);
   }
-  return overlap <= tolerance || clashes->found(clashes, slotA, slotB, overlap);
+  clashes->isOver = overlap > tolerance && !clashes->found(clashes, slotA, slotB, overlap);
+  return !clashes->isOver;
 }
 
 bool ctFindClashes(Clashes* clashes, ctCounts* counts) {
@@ -19,7 +22,11 @@ bool ctFindClashes(Clashes* clashes, ctCounts* counts) {
   if (clashes->sweep == NULL) {
     return false;
   }
-  ctSweepClashes(&clashes->tree->ownSweep, clashes->tree->overlapTolerance, testCandidate, clashes, counts);
+  const double tolerance = clashes->tree->overlapTolerance;
+  ctSweepClashes(&clashes->tree->ownSweep, tolerance, testCandidate, clashes, counts);
+  if (!clashes->isOver) {
+    ctSceneSearchImages(clashes->tree, -tolerance, testCandidate, clashes, counts);
+  }
   return true;
 }
 
@@ -83,6 +90,10 @@ static bool addEnergy(Clashes* clashes, int slotA, int slotB, double overlap) {
   const Snapshot* snapshot = &clashes->sweep->snapshot;
   double apart[3];
   subtract(snapshotPosition(snapshot, particleA), snapshotPosition(snapshot, particleB), apart);
+  const Image* image = tree->traversal.image;
+  for (int d = 0; d < 3 && image != NULL; d++) {
+    apart[d] += image->shift[d];
+  }
   double distance = sqrt(dot(apart, apart));
   if (distance <= snapshot->tieBand) {
     /* Coincident but for rounding: the direction is a fixed one. */

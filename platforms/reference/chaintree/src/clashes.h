@@ -10,6 +10,7 @@ typedef struct Clashes {
   const Sweep* sweep;
   bool (*found)(struct Clashes* clashes, int slotA, int slotB, double overlap);
   void* context;
+  bool isOver; /* `found` has returned false */
 } Clashes;
 
 /* Calls `found` for each clash, until it returns false. False if there is no memory. */

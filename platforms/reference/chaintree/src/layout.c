@@ -282,6 +282,7 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->rodrigues = ctArenaAllocate(arena, links, sizeof(double));
   s->branchHead = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   s->displaced = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
+  s->wrap = ctArenaAllocate(arena, (size_t)branches, sizeof *s->wrap);
   int placements = 0;
   for (int u = 0; u < d->linkCount; u++) {
     placements += d->linkJoints[u] == ctFreeJoint || d->linkJoints[u] == ctBallJoint;

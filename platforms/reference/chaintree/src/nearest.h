@@ -19,6 +19,8 @@ typedef struct Nearest {
   Traversal* traversal;
   double coordinateBound; /* no coordinate of points of their own is larger */
   double known;           /* the distance of some pair */
+  const Image* image;     /* of the first cloud; NULL: without shift */
+  float shift[3];         /* the same */
   float margin;           /* the error of a distance in float is less, see findNearest */
   float reach;            /* pairs farther apart in float are not the nearest */
   double distance;        /* the least found so far */

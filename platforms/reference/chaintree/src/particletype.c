@@ -60,3 +60,11 @@ bool ctTypesBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   }
   return built;
 }
+
+double ctLargestRadius(const Sequence* s) {
+  double radius = 0;
+  for (int i = 0; i < s->typeCount; i++) {
+    radius = larger(radius, s->types[i].radius);
+  }
+  return radius;
+}

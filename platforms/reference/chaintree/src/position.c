@@ -18,6 +18,7 @@ static inline bool isDisplaced(PositionReader* reader, int link) {
     reader->branch = sequenceBranch(s, link);
     reader->branchBegin = reader->branch == CT_NULL ? 0 : s->branchHead[reader->branch];
     reader->branchEnd = reader->branch == CT_NULL ? 1 : sequenceEnd(s, reader->branchBegin);
+    ctSequenceShift(s, reader->branch, reader->shift);
   }
   return reader->branch != CT_NULL && s->displaced[reader->branch] != 0;
 }
@@ -48,9 +49,10 @@ static inline void keepReference(const Sequence* s, int particle, double positio
   memcpy(position, s->reference + 3 * (size_t)particle, 3 * sizeof(double));
 }
 
-static inline void addOrigin(const Sequence* s, double position[3]) {
+/* From inside the engine to where callers have a position. */
+static inline void addOrigin(const PositionReader* reader, double position[3]) {
   for (int k = 0; k < 3; k++) {
-    position[k] += s->worldOrigin[k];
+    position[k] = position[k] + reader->sequence->worldOrigin[k] - reader->shift[k];
   }
 }
 
@@ -62,7 +64,7 @@ void ctReadPosition(PositionReader* reader, int particle, double position[3]) {
     return;
   }
   readFrame(reader, link, particle, position);
-  addOrigin(s, position);
+  addOrigin(reader, position);
 }
 
 void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) {
@@ -72,6 +74,7 @@ void ctReadFromOrigin(PositionReader* reader, int particle, double position[3]) 
     readFrame(reader, link, particle, position);
   } else {
     subtract(s->reference + 3 * (size_t)particle, s->worldOrigin, position);
+    add(position, reader->shift);
   }
 }
 
@@ -95,7 +98,7 @@ static void readLeaf(PositionReader* reader, int leaf, const Frame* frame, doubl
     double* position = positions + 3 * (size_t)particle;
     if (isDisplaced(reader, s->slotLink[slot])) {
       for (int k = 0; k < 3; k++) {
-        position[k] = world[k][slot - begin];
+        position[k] = world[k][slot - begin] - reader->shift[k];
       }
     } else {
       keepReference(s, particle, position);

@@ -15,6 +15,7 @@ typedef struct PositionReader {
   int branch; /* CT_NULL: the world itself; links [branchBegin, branchEnd) */
   int branchBegin;
   int branchEnd;
+  double shift[3]; /* of the branch from where callers have it */
 } PositionReader;
 
 PositionReader ctPositionReader(const Sequence* sequence, World* world);

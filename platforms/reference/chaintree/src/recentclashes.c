@@ -28,14 +28,21 @@ void ctRecentClashesCharge(RecentClashes* w, int64_t cost, bool clash) {
   w->clashes += clash;
 }
 
-void ctRecentClashesAdd(RecentClashes* w, const Tree* tree, int slotA, int slotB, int64_t searchCost) {
+void ctRecentClashesAdd(RecentClashes* w, const Tree* tree, int slotA, int slotB, const Image* image,
+                        int64_t searchCost) {
   const int wanted = tree->levelSize[0] / LEAVES_PER_RECENT_CLASH;
   const int most = wanted < LEAST_RECENT_CLASHES  ? LEAST_RECENT_CLASHES
                    : wanted > MOST_RECENT_CLASHES ? MOST_RECENT_CLASHES
                                                   : wanted;
   w->pair[w->next][0] = slotA;
   w->pair[w->next][1] = slotB;
+  w->image[w->next] = *image;
   w->next = w->next + 1 < most ? w->next + 1 : 0;
   w->count += w->count < most;
   w->searchCost += (searchCost - w->searchCost) / (w->searchCost > 0 ? SEARCHES_REMEMBERED : 1);
+}
+
+void ctRecentClashesForget(RecentClashes* w) {
+  w->count = 0;
+  w->next = 0;
 }

@@ -11,6 +11,7 @@
 
 typedef struct RecentClashes {
   int pair[MOST_RECENT_CLASHES][2]; /* slots */
+  Image image[MOST_RECENT_CLASHES]; /* of the first */
   int count;
   int next; /* to be replaced */
 
@@ -29,7 +30,12 @@ bool ctRecentClashesAreWanted(RecentClashes* recentClashes);
 /* Adds what testing them has cost. */
 void ctRecentClashesCharge(RecentClashes* recentClashes, int64_t cost, bool clash);
 
-/* Adds a pair that a descent has found at this cost; replaces the oldest one if there are enough. */
-void ctRecentClashesAdd(RecentClashes* recentClashes, const Tree* tree, int slotA, int slotB, int64_t searchCost);
+/* Drops all pairs: their images are of another box. */
+void ctRecentClashesForget(RecentClashes* recentClashes);
+
+/* Adds a pair that a descent has found at this cost, in this image of the first; replaces the oldest one if there are
+ * enough. */
+void ctRecentClashesAdd(RecentClashes* recentClashes, const Tree* tree, int slotA, int slotB, const Image* image,
+                        int64_t searchCost);
 
 #endif /* CT_RECENTCLASHES_H_ */

@@ -38,7 +38,7 @@ Sweep* ctSceneSweep(ctChainTree* scene) {
   }
   if (stateChangedSince(changes, sweep->snapshot.builtFrom)) {
     /* Equal states have equal bits: use the reference whenever it is the state. */
-    if (scene->sequence.displacedCount == 0) {
+    if (scene->sequence.displacedCount == 0 && !ctSequenceIsWrapped(&scene->sequence)) {
       ctSnapshotTakeReference(&sweep->snapshot, &scene->sequence);
     } else if (ctSnapshotReserve(&sweep->snapshot, &sweep->arena, &scene->sequence)) {
       ctSnapshotTakeTree(&sweep->snapshot, &scene->sequence, ctSceneWorld(scene));
@@ -61,6 +61,27 @@ ctStatus ctFailNoTrial(ctChainTree* scene) {
 
 ctStatus ctFailMissing(ctChainTree* scene, const char* argument) {
   return scene == NULL ? ctInvalidArgument : ctFail(scene, ctInvalidArgument, "%s is NULL", argument);
+}
+
+ctStatus ctCheckCutoff(ctChainTree* scene, double cutoff) {
+  if (!(cutoff > 0) || !isfinite(cutoff)) {
+    return ctFail(scene, ctInvalidArgument, "the cutoff is %g nm; it must be finite and positive", cutoff);
+  }
+  if (scene->sequence.box.isPeriodic && 2 * cutoff > ctBoxWidth(&scene->sequence.box)) {
+    return ctFail(scene, ctInvalidArgument,
+                  "the cutoff is %g nm; it must be at most half the periodic box's width, %g nm", cutoff,
+                  ctBoxWidth(&scene->sequence.box) / 2);
+  }
+  return ctSuccess;
+}
+
+void ctSceneSearchImages(ctChainTree* scene, double reach, CandidateFunction* function, void* context,
+                         ctCounts* counts) {
+  if (scene->sequence.box.isPeriodic) {
+    const View view = ctViewOfState(reach);
+    ctSceneTree(scene);
+    ctTraverseImages(&scene->traversal, &view, &scene->sequence.box, function, context, counts);
+  }
 }
 
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles) {

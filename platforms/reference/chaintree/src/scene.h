@@ -57,6 +57,9 @@ ctStatus ctFailMissing(ctChainTree* scene, const char* argument);
     }                                            \
   } while (0)
 
+/* Fails unless a cutoff is finite and positive and, in a periodic box, at most half its width. */
+ctStatus ctCheckCutoff(ctChainTree* scene, double cutoff);
+
 /* Fails unless all of these are particles of the scene. */
 ctStatus ctCheckParticles(ctChainTree* scene, int count, const int* particles);
 
@@ -77,6 +80,10 @@ double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
  * argument. */
 bool ctSceneEnterTrial(ctChainTree* scene);
 void ctSceneLeaveTrial(ctChainTree* scene, bool areLeavesKept);
+
+/* Searches the state's images, if it is periodic, for pairs whose surfaces are within reach of each other. */
+void ctSceneSearchImages(ctChainTree* scene, double reach, CandidateFunction* function, void* context,
+                         ctCounts* counts);
 
 /* A sweep over the state, with a snapshot of it; NULL if there is no memory. */
 Sweep* ctSceneSweep(ctChainTree* scene);
@@ -105,8 +112,12 @@ static inline void particlesOf(const ctChainTree* scene, int slotA, int slotB, i
   pair[1] = a < b ? b : a;
 }
 
+/* The canonical distance, in the image that is looked at. */
 static inline double canonicalDistance(ctChainTree* scene, int slotA, int slotB) {
-  return sqrt(ctTreeSquaredDistance(ctSceneTree(scene), slotA, slotB));
+  const Tree* tree = ctSceneTree(scene);
+  const Image* image = scene->traversal.image;
+  return sqrt(image != NULL ? ctTreeSquaredImageDistance(tree, slotA, slotB, image)
+                            : ctTreeSquaredDistance(tree, slotA, slotB));
 }
 
 #endif /* CT_SCENE_H_ */

@@ -32,7 +32,64 @@ static void findOrigin(Sequence* s) {
   }
 }
 
-static const JointState REFERENCE_JOINT = {0, {{1, 0, 0, 0}, {0, 0, 0}}};
+static const JointState REFERENCE_JOINT = {0, {{1, 0, 0, 0}, {0, 0, 0}}, {0, 0, 0}};
+
+/* ---- Wrapped molecules ---- */
+
+/* A molecule is wrapped if its root is farther from worldOrigin, in box vectors. More than a half, so that one at a
+ * face of the box is not wrapped again and again. */
+#define MOST_VECTORS_AWAY 0.75
+
+void ctSequenceShift(const Sequence* s, int branch, double shift[3]) {
+  shift[0] = shift[1] = shift[2] = 0;
+  if (s->box.isPeriodic && branch != CT_NULL) {
+    ctImageShift(&s->box, s->wrap[branch], shift);
+  }
+}
+
+bool ctSequenceIsWrapped(const Sequence* s) {
+  for (int branch = 0; branch < s->branchCount && s->box.isPeriodic; branch++) {
+    const int* n = s->wrap[branch];
+    if (n[0] != 0 || n[1] != 0 || n[2] != 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void ctJointWrap(const Sequence* s, JointState* joint, double shift[3]) {
+  double* position = joint->placement.position;
+  double left[3] = {position[0], position[1], position[2]};
+  bool isFar = false;
+  shift[0] = shift[1] = shift[2] = 0;
+  for (int k = 2; k >= 0; k--) {
+    const double count = left[k] / s->box.vectors[k][k];
+    isFar = isFar || fabs(count) > MOST_VECTORS_AWAY;
+    for (int d = 0; d < k; d++) {
+      left[d] -= count * s->box.vectors[k][d];
+    }
+  }
+  if (isFar) {
+    const Image image = ctNearestImage(&s->box, position);
+    for (int d = 0; d < 3; d++) {
+      shift[d] = image.shift[d];
+      position[d] += shift[d];
+      joint->wrap[d] += image.n[d];
+    }
+  }
+}
+
+/* The placement of a link in the reference positions, as it is wrapped. */
+static void restPosition(const Sequence* s, int link, double position[3]) {
+  sequenceOffset(s, link, position);
+  if (isWrapped(s, link)) {
+    double shift[3];
+    ctSequenceShift(s, sequenceBranch(s, link), shift);
+    add(position, shift);
+  }
+}
+
+/* ---- State ---- */
 
 void ctSequenceResetTorsions(Sequence* s) {
   for (int link = 0; link < s->linkCount; link++) {
@@ -74,7 +131,14 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
     if (isPlaced(s, link)) {
       Placement* placement = &s->placement[s->joint[link].placement];
       *placement = REFERENCE_JOINT.placement;
-      sequenceOffset(s, link, placement->position);
+      if (isWrapped(s, link)) {
+        JointState joint = REFERENCE_JOINT;
+        double shift[3];
+        sequenceOffset(s, link, joint.placement.position);
+        ctJointWrap(s, &joint, shift);
+        memcpy(s->wrap[sequenceBranch(s, link)], joint.wrap, sizeof joint.wrap);
+      }
+      restPosition(s, link, placement->position);
     }
   }
 }
@@ -90,6 +154,9 @@ JointState ctSequenceGetJoint(const Sequence* s, int link) {
   joint.angle = s->angle[link];
   if (isPlaced(s, link)) {
     joint.placement = s->placement[s->joint[link].placement];
+  }
+  if (isWrapped(s, link)) {
+    memcpy(joint.wrap, s->wrap[sequenceBranch(s, link)], sizeof joint.wrap);
   }
   return joint;
 }
@@ -135,7 +202,7 @@ static bool isDisplaced(const Sequence* s, int link) {
     return s->angle[link] != 0;
   }
   double offset[3];
-  sequenceOffset(s, link, offset);
+  restPosition(s, link, offset);
   const Placement* placement = &s->placement[s->joint[link].placement];
   const double* q = placement->quaternion;
   const double* position = placement->position;
@@ -158,6 +225,9 @@ void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
   if (isPlaced(s, link)) {
     s->placement[s->joint[link].placement] = joint->placement;
+  }
+  if (isWrapped(s, link)) {
+    memcpy(s->wrap[sequenceBranch(s, link)], joint->wrap, sizeof joint->wrap);
   }
   const bool after = isDisplaced(s, link);
   if (after != before) {

@@ -19,13 +19,15 @@
  *
  * A slot is the index of a particle in the sequence: slots are in the order of their links. Particles that are modelled
  * have one, and those without a radius that are listed, which to all volumes are as if the slot were empty. A link
- * without such particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. Empty slots
- * fill the last leaf of a molecule of half a leaf or more, and that of what is before it, so that it shares no leaf. */
+ * without such particles has one empty slot, so that TREE_WIDTH slots never span more than TREE_WIDTH links. Empty
+ * slots fill the last leaf of a molecule of half a leaf or more, and that of what is before it, so that it shares no
+ * leaf. */
 #ifndef CT_SEQUENCE_H_
 #define CT_SEQUENCE_H_
 
 #include "arena.h"
 #include "chaintree.h"
+#include "images.h"
 #include "order.h"
 #include "transform.h"
 
@@ -43,6 +45,7 @@ typedef struct Placement {
 typedef struct JointState {
   double angle;        /* torsion: turned since the reference, in [-pi, pi] */
   Placement placement; /* free joint, ball joint */
+  int wrap[3];         /* free joint on the world: see Sequence.wrap */
 } JointState;
 
 /* Properties of a particle that the limit of a pair depends on. */
@@ -129,6 +132,9 @@ typedef struct Sequence {
                         first use */
   double* rodrigues; /* of a torsion joint: its Rodrigues vector over its axis */
   Placement* placement;
+  PeriodicBox box;
+  int (*wrap)[3]; /* per branch of the world: the box vectors by which it stands inside the engine from where callers
+                     have it, so that molecules that drift stay near each other */
   int* displaced; /* per branch: how many of its joints are off the reference */
 } Sequence;
 
@@ -148,6 +154,15 @@ void ctSequenceResetTorsions(Sequence* sequence);
 /* Makes finite positions the reference: all angles are 0, and no joint is displaced. Products are outdated until
  * ctPathsMultiply. */
 void ctSequenceSetReference(Sequence* sequence, const double* positions);
+
+/* Wraps a free joint on the world if it is far from worldOrigin. Writes by how much it is shifted then. */
+void ctJointWrap(const Sequence* sequence, JointState* joint, double shift[3]);
+
+/* The shift of a branch of the world from where callers have it: 0 without a box. */
+void ctSequenceShift(const Sequence* sequence, int branch, double shift[3]);
+
+/* True if some branch of the world is shifted from where callers have it. O(branches). */
+bool ctSequenceIsWrapped(const Sequence* sequence);
 
 /* Recomputes all products of paths. */
 void ctPathsMultiply(Sequence* sequence);
@@ -171,6 +186,14 @@ void ctSequenceSetJoint(Sequence* sequence, int link, const JointState* joint);
 /* Recomputes the products over these links (ascending), each once, and returns how many. `scratch` holds `count` ints.
  */
 int ctSequenceUpdate(Sequence* sequence, const int* links, int count, int* scratch);
+
+/* True for a link that places a molecule in a periodic box, which therefore is wrapped. */
+static inline bool isWrapped(const Sequence* s, int link) {
+  return s->box.isPeriodic && s->parent[link] == 0 && s->jointType[link] == ctFreeJoint;
+}
+
+/* The largest radius of a particle. */
+double ctLargestRadius(const Sequence* sequence);
 
 /* True if a link has a placement. */
 static inline bool isPlaced(const Sequence* s, int link) {

@@ -8,6 +8,7 @@
 typedef struct SlotPair {
   int slotA;
   int slotB;
+  int n[3];     /* box vectors by which slotA is shifted */
   double value; /* the limit of its overlap, or its distance before the trial */
 } SlotPair;
 
@@ -18,6 +19,6 @@ typedef struct SlotPairs {
 } SlotPairs;
 
 /* False, and nothing changed, if there is no memory. */
-bool ctSlotPairsAdd(SlotPairs* list, int slotA, int slotB, double value);
+bool ctSlotPairsAdd(SlotPairs* list, const SlotPair* pair);
 
 #endif /* CT_SLOT_PAIRS_H_ */

@@ -8,7 +8,7 @@
  * numbers pass that were written with 13 digits. */
 #define UNIT_ERROR 1e-12
 
-enum { TORSION_SIZE = 1, QUATERNION_SIZE = 4, PLACEMENT_SIZE = 7 };
+enum { TORSION_SIZE = 1, QUATERNION_SIZE = 4, PLACEMENT_SIZE = 7, WRAPPED_SIZE = 10 };
 
 /* How many numbers the state of a joint has. Fixed links are part of the world, whose joint is fixed. */
 static int jointSize(const Sequence* s, int link) {
@@ -18,7 +18,7 @@ static int jointSize(const Sequence* s, int link) {
     case ctBallJoint:
       return QUATERNION_SIZE;
     case ctFreeJoint:
-      return PLACEMENT_SIZE;
+      return isWrapped(s, link) ? WRAPPED_SIZE : PLACEMENT_SIZE;
     default:
       return 0;
   }
@@ -52,6 +52,9 @@ static void writeJoint(const Sequence* s, int link, double* numbers) {
   if (s->jointType[link] == ctFreeJoint) {
     memcpy(numbers + QUATERNION_SIZE, joint.placement.position, sizeof joint.placement.position);
   }
+  for (int k = 0; k < 3 && isWrapped(s, link); k++) {
+    numbers[PLACEMENT_SIZE + k] = joint.wrap[k];
+  }
 }
 
 static JointState readJoint(const Sequence* s, int link, const double* numbers) {
@@ -63,6 +66,9 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
   }
   if (s->jointType[link] == ctFreeJoint) {
     memcpy(joint.placement.position, numbers + QUATERNION_SIZE, sizeof joint.placement.position);
+  }
+  for (int k = 0; k < 3 && isWrapped(s, link); k++) {
+    joint.wrap[k] = (int)numbers[PLACEMENT_SIZE + k];
   }
   return joint;
 }
@@ -76,6 +82,12 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
   double norm = 0;
   for (int i = 0; i < 4; i++) {
     norm += numbers[i] * numbers[i];
+  }
+  for (int k = 0; k < 3 && isWrapped(s, link); k++) {
+    const double count = numbers[PLACEMENT_SIZE + k];
+    if (!(fabs(count) <= MOST_VECTORS && count == floor(count))) {
+      return false;
+    }
   }
   return fabs(norm - 1) <= UNIT_ERROR &&
          (s->jointType[link] == ctBallJoint || isJointPosition(numbers + QUATERNION_SIZE));

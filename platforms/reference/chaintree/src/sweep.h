@@ -44,6 +44,7 @@ typedef struct PairSink {
   /* Makes room for PAIRS_AT_ONCE more; returns false to end the sweep. */
   bool (*makeRoom)(struct PairSink* sink);
   void* context;
+  bool isClosed; /* it has ended the sweep */
 } PairSink;
 
 /* Receives two slots and their squared distance; returns false to end the sweep. */

@@ -15,14 +15,21 @@ typedef struct TrialTest {
   bool failed;
   int slotA; /* that clash */
   int slotB;
+  Image image; /* of slotA */
 } TrialTest;
 
 /* ---- Pairs ---- */
+
+/* The image of the first slot that is tested now. */
+static Image imageNow(const ctChainTree* tree) {
+  return tree->traversal.image != NULL ? *tree->traversal.image : (Image){{0}, {0}};
+}
 
 static void noteClash(TrialTest* test, int slotA, int slotB) {
   test->clash = true;
   test->slotA = slotA;
   test->slotB = slotB;
+  test->image = imageNow(test->tree);
 }
 
 /* Allowed overlap: the pair's own limit, else the tolerance. */
@@ -52,7 +59,10 @@ static double clearanceOf(void* context, int slotA, int slotB, double squaredDis
     noteClash(test, slotA, slotB);
     return clearance;
   }
-  test->failed = !ctSlotPairsAdd(&tree->ties, slotA, slotB, limit);
+  SlotPair pair = {.slotA = slotA, .slotB = slotB, .value = limit};
+  const Image image = imageNow(tree);
+  memcpy(pair.n, image.n, sizeof pair.n);
+  test->failed = !ctSlotPairsAdd(&tree->ties, &pair);
   return test->failed ? -1 : 0;
 }
 
@@ -80,12 +90,15 @@ static void testTies(TrialTest* test) {
   const bool areLeavesKept = ctSceneEnterTrial(tree);
   for (int i = 0; i < tree->ties.count && !test->clash; i++) {
     const SlotPair* pair = &tree->ties.pairs[i];
+    const Image image = ctImageOf(&tree->sequence.box, pair->n);
+    tree->traversal.image = isImage(&image) ? &image : NULL;
     const double overlap =
         radiusSum(tree, pair->slotA, pair->slotB) - canonicalDistance(tree, pair->slotA, pair->slotB);
     if (overlap > pair->value) {
       noteClash(test, pair->slotA, pair->slotB);
     }
   }
+  tree->traversal.image = NULL;
   ctSceneLeaveTrial(tree, areLeavesKept);
 }
 
@@ -125,7 +138,7 @@ static Outcome endSearch(const TrialTest* test, int64_t cost) {
   ctChainTree* tree = test->tree;
   ctClearanceCharge(&tree->clearance, cost, true);
   if (test->clash) {
-    ctRecentClashesAdd(&tree->recentClashes, ctSceneTree(tree), test->slotA, test->slotB, cost);
+    ctRecentClashesAdd(&tree->recentClashes, ctSceneTree(tree), test->slotA, test->slotB, &test->image, cost);
   }
   return decided(test);
 }
@@ -171,6 +184,24 @@ static Outcome testByDescent(TrialTest* test) {
   return endSearch(test, ctTraverse(&tree->traversal, test->view, testPair, test, test->counts));
 }
 
+/* Tests pairs of the view with its periodic images. */
+static Outcome testImages(TrialTest* test) {
+  ctChainTree* tree = test->tree;
+  Traversal* traversal = &tree->traversal;
+  int few[2];
+  if (!tree->isTesterOff[FEW_MOVERS] && ctViewMovesFew(traversal, test->view, &few[0], &few[1])) {
+    ctTraverseFewImages(traversal, test->view, &tree->sequence.box, few[0], few[1], testPair, surelyClash, test,
+                        test->counts);
+  } else {
+    const Tree* own = ctSceneTree(tree);
+    const int64_t cost = ctTraverseImages(traversal, test->view, &tree->sequence.box, testPair, test, test->counts);
+    if (test->clash) {
+      ctRecentClashesAdd(&tree->recentClashes, own, test->slotA, test->slotB, &test->image, cost);
+    }
+  }
+  return decided(test);
+}
+
 /* `accept` and `forget` update what a tester has stored about the state; NULL: nothing is stored. */
 typedef struct Tester {
   const char* name;
@@ -197,6 +228,9 @@ Outcome ctTestView(ctChainTree* tree, const View* view, int slots[2], ctCounts* 
   }
   if (outcome == undecided) {
     outcome = testByDescent(&test);
+  }
+  if (outcome == isFree && tree->sequence.box.isPeriodic) {
+    outcome = testImages(&test);
   }
   if (outcome == isFree && tree->ties.count > 0) {
     testTies(&test);

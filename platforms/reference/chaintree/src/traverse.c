@@ -79,7 +79,7 @@ bool ctTraversalReserve(Traversal* t, int pieceCount) {
 
 View ctViewOfState(double reach) {
   static const Piece whole = {0, 0};
-  return (View){&whole, 1, NULL, 1, reach};
+  return (View){&whole, 1, NULL, 1, reach, NULL, true};
 }
 
 /* Slots [begin, end) without those at their end that hold no particle, such as fill a molecule's last leaf. */
@@ -120,6 +120,18 @@ int64_t ctTraverse(Traversal* t, const View* view, CandidateFunction* function, 
 void ctTraverseFew(Traversal* t, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts) {
   t->tree->wide->traverseFew(t, view, begin, end, function, clashes, context, counts);
+}
+
+int64_t ctTraverseImages(Traversal* t, const View* view, const PeriodicBox* box, CandidateFunction* function,
+                         void* context, ctCounts* counts) {
+  const int64_t cost = t->tree->wide->traverseImages(t, view, box, function, context, counts);
+  t->image = NULL;
+  return cost;
+}
+
+void ctTraverseFewImages(Traversal* t, const View* view, const PeriodicBox* box, int begin, int end,
+                         CandidateFunction* function, SureClashFunction* clashes, void* context, ctCounts* counts) {
+  t->tree->wide->traverseFewImages(t, view, box, begin, end, function, clashes, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function,

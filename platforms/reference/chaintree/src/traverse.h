@@ -6,6 +6,7 @@
 
 #include "counts.h"
 #include "exclusion.h"
+#include "images.h"
 #include "world.h"
 
 /* Its body is an index into the view's motions: all pieces of one motion are one rigid body. */
@@ -17,7 +18,9 @@ typedef struct View {
   int pieceCount;
   const Frame* motions; /* in the world; motion 0 is the identity. NULL: nothing moves, but pieces still count */
   int motionCount;
-  double reach; /* pairs whose surfaces are no farther apart are candidates; may be negative */
+  double reach;              /* pairs whose surfaces are no farther apart are candidates; may be negative */
+  const Frame* trialMotions; /* the motions, even where the view is of the state before them; NULL: none */
+  bool allImages;            /* pairs with images count whether they move or not */
 } View;
 
 /* Boxes around the members of a node over leaves, along the world's axes, in short units: a coordinate in nm times
@@ -45,6 +48,7 @@ typedef struct Traversal {
   const Tree* tree;
   const Exclusions* exclusions;
   const View* view;
+  const Image* image;     /* in which the first slots of candidates count; NULL: without shift */
   double coordinateBound; /* no coordinate or radius of this view is larger */
   double tieBand;         /* the canonical distance decides about distances this close to a limit */
   World* world;
@@ -122,6 +126,15 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts);
 
+/* The same for pairs of an image of the view with the view, but calls `function` for all pairs whose distance the view
+ * changes: within a body that turns, too. Each pair comes with one of two opposite images: `image` in the traversal. */
+int64_t ctTraverseImages(Traversal* traversal, const View* view, const PeriodicBox* box, CandidateFunction* function,
+                         void* context, ctCounts* counts);
+
+/* The same for a view in which only slots [begin, end) move. Bounds may be loose. */
+void ctTraverseFewImages(Traversal* traversal, const View* view, const PeriodicBox* box, int begin, int end,
+                         CandidateFunction* function, SureClashFunction* clashes, void* context, ctCounts* counts);
+
 /* The same for a sphere at a point of the world (from worldOrigin), against everything in the view of the state:
  * `function` receives CT_NULL and a slot. */
 void ctTraverseProbe(Traversal* traversal, const View* view, const double point[3], double radius,
@@ -139,7 +152,7 @@ double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 /* True if few slots move and they are consecutive: [begin, end). */
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
-/* The view of the state as it is: one body. */
+/* The view of the state as it is: one body. With its images all pairs are candidates. */
 View ctViewOfState(double reach);
 
 #endif /* CT_TRAVERSE_H_ */

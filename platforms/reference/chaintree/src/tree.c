@@ -329,6 +329,23 @@ double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB) {
   return squaredDistance(a, b);
 }
 
+void ctTreeSlotInWorld(const Tree* tree, int slot, double position[3]) {
+  treeLocal(tree, slot, position);
+  int node = coveringNode(slot);
+  for (int level = 0; level < tree->levelCount; level++) {
+    transformPoint(&tree->pose[node], position, position);
+    node = level < treeTop(tree) ? treeParent(tree, level, node) : node;
+  }
+}
+
+double ctTreeSquaredImageDistance(const Tree* tree, int slotA, int slotB, const Image* image) {
+  double a[3];
+  double b[3];
+  ctTreeSlotInWorld(tree, slotA, a);
+  ctTreeSlotInWorld(tree, slotB, b);
+  return squaredImageDistance(a, b, image);
+}
+
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB) {
   Frame a = ctTreeLinkInLeaf(tree, sequence, linkA);
   Frame b = ctTreeLinkInLeaf(tree, sequence, linkB);

@@ -15,6 +15,7 @@
 
 #include "changes.h"
 #include "costs.h"
+#include "images.h"
 #include "order.h"
 #include "sequence.h"
 
@@ -235,6 +236,12 @@ CT_INLINE void treeAxis(const Tree* tree, const Sequence* sequence, int link, do
 /* The squared canonical distance of two slots: computed in the frame of the lowest node over both, so that it is a pure
  * function of the state. */
 double ctTreeSquaredDistance(const Tree* tree, int slotA, int slotB);
+
+/* The position of a slot in the world, from worldOrigin. */
+void ctTreeSlotInWorld(const Tree* tree, int slot, double position[3]);
+
+/* The same of an image of the first, computed in the world. */
+double ctTreeSquaredImageDistance(const Tree* tree, int slotA, int slotB, const Image* image);
 
 /* The frame of linkB in that of linkA, by way of the lowest node over both (section 2.1). O(log N). */
 Frame ctTreeRelative(const Tree* tree, const Sequence* sequence, int linkA, int linkB);

@@ -28,12 +28,6 @@ void ctTreeCountParticles(Tree* tree, const Sequence* sequence) {
   }
 }
 
-static void add(double sum[3], const double x[3]) {
-  sum[0] += x[0];
-  sum[1] += x[1];
-  sum[2] += x[2];
-}
-
 /* Adds the positions of the particles of slots [slotBegin, slotEnd) of a leaf, and of particles without a slot of links
  * that begin there, to sum, in the leaf's frame; returns how many. */
 static int sumSlots(const Tree* tree, const Sequence* sequence, int leaf, int slotBegin, int slotEnd, double sum[3]) {

@@ -126,7 +126,10 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, World* w, Fr
   quaternionFromVector(given->rotation, turn);
   rotationFromQuaternion(turn, motion);
   double pivot[3];
+  double wrapped[3];
+  ctSequenceShift(s, sequenceBranch(s, change->link), wrapped);
   subtract(given->pivot, s->worldOrigin, pivot);
+  add(pivot, wrapped);
   transformAbout(pivot, motion);
   for (int k = 0; k < 3; k++) {
     motion->m[k][3] += given->translation[k];
@@ -139,6 +142,12 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, World* w, Fr
   rotateBack(&parent, given->translation, shift);
   transformPointBack(&parent, pivot, pivot);
   change->after = ctJointMoved(&change->before, rotation, pivot, shift);
+  if (isWrapped(s, change->link)) {
+    ctJointWrap(s, &change->after, wrapped);
+    for (int k = 0; k < 3; k++) {
+      motion->m[k][3] += wrapped[k];
+    }
+  }
 }
 
 /* ---- Pieces ---- */
@@ -256,7 +265,7 @@ static int describeTrial(Trial* trial, const Sequence* s, World* w, const ctChan
 /* ---- Views of a trial ---- */
 
 View ctTrialView(const Trial* trial, double reach) {
-  return (View){trial->pieces, trial->pieceCount, trial->motions, trial->motionCount, reach};
+  return (View){trial->pieces, trial->pieceCount, trial->motions, trial->motionCount, reach, trial->motions, false};
 }
 
 /* The motion of a frame, which is from worldOrigin, for absolute positions: x -> R (x - o) + t + o. */

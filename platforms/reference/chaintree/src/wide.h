@@ -22,12 +22,18 @@
   F(void, widenAbove, (Tree* tree, int leaf)) \
   /* wide/world.c: see world.h. */ \
   F(void, updateWorldAt, (World* w, int level, int node)) \
-  /* wide/descent.c, movers.c: see traverse.h. */ \
+  /* wide/descent.c, movers.c, images.c: see traverse.h. */ \
   F(int64_t, traverse, \
     (Traversal* t, const View* view, CandidateFunction* function, void* context, ctCounts* counts)) \
   F(void, traverseFew, \
     (Traversal* t, const View* view, int begin, int end, CandidateFunction* function, SureClashFunction* clashes, \
      void* context, ctCounts* counts)) \
+  F(void, traverseFewImages, \
+    (Traversal* t, const View* view, const PeriodicBox* box, int begin, int end, CandidateFunction* function, \
+     SureClashFunction* clashes, void* context, ctCounts* counts)) \
+  F(int64_t, traverseImages, \
+    (Traversal* t, const View* view, const PeriodicBox* box, CandidateFunction* function, void* context, \
+     ctCounts* counts)) \
   F(void, traverseProbe, \
     (Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function, void* context, \
      ctCounts* counts)) \
@@ -52,6 +58,7 @@
   F(void, listChangedSlots, (LeafTask* task)) \
   /* wide/nearest.c: for ctGetMinimumDistance. */ \
   F(void, boundPoints, (const Tree* layout, const double (*point)[3], Block* block)) \
+  F(void, boundCloud, (const Cloud* cloud, double low[3], double high[3])) \
   F(void, findNearest, (Nearest* nearest, const Cloud clouds[2]))
 /* clang-format on */
 

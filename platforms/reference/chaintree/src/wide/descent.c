@@ -184,8 +184,9 @@ static bool visitSelf(Traversal* t, Visit* visit, int level, int node) {
   return visitNear(t, visit, &pair, ofLesserBodies(t, node, treeMemberCount(t->tree, level, node)));
 }
 
-/* Climbs to a mixed node, from all such nodes below it: visits each with itself. Those hold the joints
- * that turn, and most clashes are near joints. `piece` holds the node's first slot. False ends the descent. */
+/* Climbs to a mixed node, from all such nodes below it: places each in the view, and visits it with itself, unless
+ * `visit` is NULL. These nodes hold the joints that turn, and most clashes are near joints. `piece` holds the node's
+ * first slot. False ends the descent. */
 static bool climb(Traversal* t, Visit* visit, int level, int node, int piece) {
   const View* view = t->view;
   updateWorld(t->world, level, node);
@@ -203,7 +204,11 @@ static bool climb(Traversal* t, Visit* visit, int level, int node, int piece) {
     }
   }
   CT_WIDE(placeMixedNode)(t, level, node, piece);
-  return visitSelf(t, visit, level, node);
+  return visit == NULL || visitSelf(t, visit, level, node);
+}
+
+void CT_WIDE(placeMixedNodes)(Traversal* t) {
+  climb(t, NULL, treeTop(t->tree), treeRoot(t->tree), 0);
 }
 
 /* Visits all pairs of nodes that may hold a candidate. */

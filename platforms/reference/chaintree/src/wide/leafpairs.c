@@ -428,7 +428,8 @@ static bool addSlotsOf(LeafDescent* d, int leafA, const TrialSlots* a, int leafB
     near &= leafA == leafB ? ~((2u << k) - 1) : ~0u;
     near &= excluded == NULL ? ~0u : ~(unsigned)excluded[k];
     for (; near != 0; near &= near - 1) {
-      if (!ctSlotPairsAdd(task->slotPairs, leafA * TREE_WIDTH + k, leafB * TREE_WIDTH + __builtin_ctz(near), 0)) {
+      const SlotPair pair = {.slotA = leafA * TREE_WIDTH + k, .slotB = leafB * TREE_WIDTH + __builtin_ctz(near)};
+      if (!ctSlotPairsAdd(task->slotPairs, &pair)) {
         task->failed = true;
         return false;
       }

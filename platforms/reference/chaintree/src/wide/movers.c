@@ -142,7 +142,8 @@ static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int
   double b[3];
   ctPositionInView(t, mover, bodyOfSlot(t->view, mover), a);
   ctPositionInView(t, slot, body, b);
-  return visit->function(visit->context, mover, slot, squaredDistance(a, b));
+  const double squared = t->image == NULL ? squaredDistance(a, b) : squaredImageDistance(a, b, t->image);
+  return visit->function(visit->context, mover, slot, squared);
 }
 
 /* The index of the masks of leafA's slots with leafB's. The usual case has no branch, so that nothing is mispredicted.
@@ -521,11 +522,10 @@ static bool testStatic(Traversal* t, Visit* visit, Movers* movers, int begin, in
   return testStaticLeaves(t, visit, movers);
 }
 
-/* Tests a view in which only slots [begin, end) move. It needs no volumes of mixed nodes. */
-static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
+/* Takes slots [begin, end), which move, sixteen at a time. Returns how many times. */
+static int takeAllMovers(Traversal* t, int begin, int end, Movers movers[MOST_MOVERS / TREE_WIDTH]) {
   updateFirst(t, coveringNode(begin), coveringNode(end - 1) + 1);
   const bool areInOneLeaf = coveringNode(begin) == coveringNode(end - 1);
-  Movers movers[MOST_MOVERS / TREE_WIDTH];
   int count = 0;
   for (int slot = begin; slot < end; slot = movers[count++].end) {
     const int next = slot + TREE_WIDTH < end ? slot + TREE_WIDTH : end;
@@ -533,6 +533,13 @@ static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
     movers[count].lastLeaf = coveringNode(end - 1);
     takeMovers(t, slot, next, areInOneLeaf ? coveringNode(slot) * TREE_WIDTH : slot, &movers[count]);
   }
+  return count;
+}
+
+/* Tests a view in which only slots [begin, end) move. It needs no volumes of mixed nodes. */
+static void visitFew(Traversal* t, Visit* visit, int begin, int end) {
+  Movers movers[MOST_MOVERS / TREE_WIDTH];
+  const int count = takeAllMovers(t, begin, end, movers);
   for (int i = 0; i < count; i++) {
     if (!testStatic(t, visit, &movers[i], begin, end)) {
       return;
@@ -573,5 +580,79 @@ void CT_WIDE(traverseProbe)(Traversal* t, const View* view, const double point[3
     updateFirst(t, 0, 0);
     testStaticLeaves(t, &visit, &probe);
   }
+  addTests(counts, visit.volumeTests, visit.particleTests);
+}
+
+/* ---- Images of movers ---- */
+
+/* Tests an image of movers against movers. False ends the search. */
+static bool testImageOfMovers(Traversal* t, Visit* visit, const Movers* image, const Movers* movers) {
+  for (unsigned left = movers->bits; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    const int slot = movers->first + k;
+    const int body = bodyOfSlot(t->view, slot);
+    unsigned near = near16(&image->block, sphereOf(&movers->block, k), visit->reach) & image->bits;
+    visit->particleTests += TREE_WIDTH;
+    for (unsigned others = near; others != 0; others &= others - 1) {
+      const int other = __builtin_ctz(others);
+      if (bodyOfSlot(t->view, image->first + other) == body && keepsDirection(t->view, body)) {
+        near &= ~(1u << other);
+      }
+    }
+    if (near != 0 && !meetMovers(t, visit, image, near, slot, sphereOf(&movers->block, k), body)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Tests an image of movers against all slots. False ends the search. */
+static bool testImage(Traversal* t, Visit* visit, const Movers* movers, int count, Movers* image, int begin, int end) {
+  /* One of two opposite images suffices where both slots move. */
+  for (int i = 0; i < count && isFirstOfOpposite(t->image->n); i++) {
+    if (!testImageOfMovers(t, visit, image, &movers[i])) {
+      return false;
+    }
+  }
+  return testStatic(t, visit, image, begin, end);
+}
+
+static void shiftMovers(const Movers* movers, const double shift[3], Movers* image) {
+  *image = *movers;
+  store16(image->block.x, add16(load16(movers->block.x), all16((float)shift[0])));
+  store16(image->block.y, add16(load16(movers->block.y), all16((float)shift[1])));
+  store16(image->block.z, add16(load16(movers->block.z), all16((float)shift[2])));
+}
+
+void CT_WIDE(traverseFewImages)(Traversal* t, const View* view, const PeriodicBox* box, int begin, int end,
+                                CandidateFunction* function, SureClashFunction* clashes, void* context,
+                                ctCounts* counts) {
+  Visit visit = CT_WIDE(startVisit)(t, view, function, context);
+  visit.clashes = clashes;
+  Movers movers[MOST_MOVERS / TREE_WIDTH];
+  const int count = takeAllMovers(t, begin, end, movers);
+  double lowA[3], highA[3], lowB[3], highB[3];
+  boundsOfBlock(worldOf(t->world, treeRoot(t->tree)), lowB, highB);
+  bool continues = true;
+  for (int i = 0; i < count && continues; i++) {
+    boundsOfBlock(&movers[i].block, lowA, highA);
+    for (int d = 0; d < 3; d++) { /* other movers may be outside of the state's bounds */
+      lowB[d] = lesser(lowB[d], lowA[d]);
+      highB[d] = larger(highB[d], highA[d]);
+    }
+  }
+  for (int i = 0; i < count && continues; i++) {
+    boundsOfBlock(&movers[i].block, lowA, highA);
+    ImageRange range = ctImageRange(box, lowA, highA, lowB, highB, imageReach(t));
+    while (continues && ctNextImage(&range)) {
+      Movers image;
+      shiftMovers(&movers[i], range.image.shift, &image);
+      t->image = &range.image;
+      visit.margin = imageMargin(t, range.image.shift);
+      visit.reach = (float)(view->reach + visit.margin);
+      continues = testImage(t, &visit, movers, count, &image, begin, end);
+    }
+  }
+  t->image = NULL;
   addTests(counts, visit.volumeTests, visit.particleTests);
 }

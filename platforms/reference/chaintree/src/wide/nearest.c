@@ -68,7 +68,21 @@ void CT_WIDE(boundPoints)(const Tree* layout, const double (*point)[3], Block* b
   }
 }
 
+/* The box around the members of the root that belong to the cloud. */
+void CT_WIDE(boundCloud)(const Cloud* cloud, double low[3], double high[3]) {
+  const Cluster root = rootOf(cloud);
+  Block block = *membersOf(cloud, &root);
+  store16(block.r, blend16(root.members, all16(-INFINITY), load16(radiiOf(cloud, &root))));
+  boundsOfBlock(&block, low, high);
+}
+
 /* ---- The search ---- */
+
+/* A sphere around a cluster of this side, relative to the other side's members: these are of an image if they are of
+ * the first cloud. */
+static Sphere seenFrom(const Nearest* n, int side, Sphere around) {
+  return shifted(around, n->shift, side == 0 ? 1 : -1);
+}
 
 typedef struct NearestVisit {
   float bound; /* of the distance of the two clusters, but for rounding */
@@ -99,10 +113,9 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   membersOf(&clouds[side], one);
   const Block* otherBlock = membersOf(&clouds[1 - side], other);
   const Block* block = membersOf(&clouds[side], one); /* again, as in blocksOf */
-  const Sphere* around = &other->around;
-  const float far = around->r + n->reach;
-  const unsigned slots =
-      one->members & greater16(all16(far * far), squaredFrom(block, around->x, around->y, around->z));
+  const Sphere around = seenFrom(n, 1 - side, other->around);
+  const float far = around.r + n->reach;
+  const unsigned slots = one->members & greater16(all16(far * far), squaredFrom(block, around.x, around.y, around.z));
   n->volumeTests += __builtin_popcount(one->members);
   n->particleTests += __builtin_popcount(slots) * __builtin_popcount(other->members);
   /* First the least distance in float, so that few pairs are compared in double. */
@@ -111,7 +124,8 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
   for (unsigned left = slots; left != 0; left &= left - 1) {
     const int k = __builtin_ctz(left);
     const unsigned others = other->members & ~itself(clouds, side, one->node, k, other->node);
-    rows[k] = blend16(others, all16(INFINITY), squaredFrom(otherBlock, block->x[k], block->y[k], block->z[k]));
+    const Sphere own = seenFrom(n, side, (Sphere){block->x[k], block->y[k], block->z[k], 0});
+    rows[k] = blend16(others, all16(INFINITY), squaredFrom(otherBlock, own.x, own.y, own.z));
     least = min16(least, rows[k]);
   }
   if (greater16(all16(n->reach * n->reach), least) == 0) {
@@ -132,17 +146,17 @@ static void compareLeaves(Nearest* n, const Cloud clouds[2], const Cluster leave
  */
 static int splitCluster(Nearest* n, const Cloud* cloud, const NearestVisit* visit, int side, NearestVisit* stack) {
   const Cluster* whole = &visit->cluster[side];
-  const Sphere* other = &visit->cluster[1 - side].around;
+  const Sphere other = seenFrom(n, 1 - side, visit->cluster[1 - side].around);
   const Block* block = membersOf(cloud, whole);
   const float* radii = radiiOf(cloud, whole);
   n->volumeTests += __builtin_popcount(whole->members);
-  const Float16 squared = squaredFrom(block, other->x, other->y, other->z);
-  const Float16 sum = max16(add16(load16(radii), all16(other->r + n->reach)), all16(0));
+  const Float16 squared = squaredFrom(block, other.x, other.y, other.z);
+  const Float16 sum = max16(add16(load16(radii), all16(other.r + n->reach)), all16(0));
   const unsigned near = whole->members & greater16(mul16(sum, sum), squared);
   if (near == 0) {
     return 0;
   }
-  const Float16 bounds = sub16(sub16(sqrt16(squared), load16(radii)), all16(other->r));
+  const Float16 bounds = sub16(sub16(sqrt16(squared), load16(radii)), all16(other.r));
   float bound[TREE_WIDTH];
   store16(bound, bounds);
   unsigned nearest = near;

@@ -28,14 +28,16 @@ bool CT_WIDE(testRecentClashes)(const RecentClashes* w, Traversal* t, const View
     const int* pair = w->pair[i];
     const int bodyA = bodyOfSlot(view, pair[0]);
     const int bodyB = bodyOfSlot(view, pair[1]);
-    if (bodyA == bodyB) {
+    const Image* image = isImage(&w->image[i]) ? &w->image[i] : NULL;
+    if (bodyA == bodyB && (image == NULL || keepsDirection(view, bodyA))) {
       continue;
     }
     *cost += COST_OF_RECENT_CLASH_TEST;
     particleTests++;
-    const Sphere a = slotSphere(t, pair[0], bodyA);
+    const float shift[3] = {(float)w->image[i].shift[0], (float)w->image[i].shift[1], (float)w->image[i].shift[2]};
+    const Sphere a = shifted(slotSphere(t, pair[0], bodyA), shift, 1);
     const Sphere b = slotSphere(t, pair[1], bodyB);
-    const float reach = a.r + b.r + viewReach;
+    const float reach = a.r + b.r + (image == NULL ? viewReach : (float)(view->reach + imageMargin(t, image->shift)));
     if ((a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y) + (a.z - b.z) * (a.z - b.z) >= reach * reach) {
       continue;
     }
@@ -43,8 +45,11 @@ bool CT_WIDE(testRecentClashes)(const RecentClashes* w, Traversal* t, const View
     double y[3];
     ctPositionInView(t, pair[0], bodyA, x);
     ctPositionInView(t, pair[1], bodyB, y);
-    isOver = !function(context, pair[0], pair[1], squaredDistance(x, y));
+    t->image = image;
+    isOver =
+        !function(context, pair[0], pair[1], image == NULL ? squaredDistance(x, y) : squaredImageDistance(x, y, image));
   }
+  t->image = NULL;
   addTests(counts, 0, particleTests);
   return isOver;
 }

@@ -14,6 +14,9 @@ Block* CT_WIDE(viewAgain)(Traversal* t, int node);
 /* Places a mixed node in the view; mixed nodes below it must be placed. `piece` holds its first slot. */
 void CT_WIDE(placeMixedNode)(Traversal* t, int level, int node, int piece);
 
+/* Places all mixed nodes of a view of many pieces. */
+void CT_WIDE(placeMixedNodes)(Traversal* t);
+
 /* Starts a descent of a new view: takes its motions, and bounds how large the scene is in it. */
 void CT_WIDE(startView)(Traversal* t, const View* view);
 
@@ -22,6 +25,15 @@ Visit CT_WIDE(startVisit)(Traversal* t, const View* view, CandidateFunction* fun
 
 static inline bool moves(const View* view, int body) {
   return body > 0 && view->motions != NULL;
+}
+
+/* True if a body does not turn: then it keeps its distances to its own images. */
+static inline bool keepsDirection(const View* view, int body) {
+  if (body == 0 || view->trialMotions == NULL) {
+    return true;
+  }
+  const Frame* m = &view->trialMotions[body];
+  return m->m[0][0] == 1 && m->m[1][1] == 1 && m->m[2][2] == 1;
 }
 
 /* The piece that holds a slot. */
@@ -52,6 +64,30 @@ static inline void placeInView(Traversal* t, int level, int node) {
   t->placedIn[node] = t->descent;
   updateWorld(t->world, level, node);
   t->inView[node] = moves(t->view, t->body[node]) ? CT_WIDE(moveNode)(t, node) : worldOf(t->world, node);
+}
+
+/* The box around all members along the world's axes; low above high if there are none. */
+static inline void boundsOfBlock(const Block* block, double low[3], double high[3]) {
+  float least[8];
+  boxOfBlock(block, least);
+  for (int d = 0; d < 3; d++) {
+    low[d] = (double)least[d];
+    high[d] = -(double)least[3 + d];
+  }
+}
+
+/* The margin of tests in float if one side is shifted. */
+static inline double imageMargin(const Traversal* t, const double shift[3]) {
+  return floatMargin(t->coordinateBound + fabs(t->view->reach) + sqrt(dot(shift, shift)));
+}
+
+/* The reach by which images are chosen: no shift is longer than three times the bound of coordinates and the reach. */
+static inline double imageReach(const Traversal* t) {
+  return t->view->reach + floatMargin(4 * (t->coordinateBound + fabs(t->view->reach)));
+}
+
+static inline Sphere shifted(Sphere sphere, const float shift[3], float sign) {
+  return (Sphere){sphere.x + sign * shift[0], sphere.y + sign * shift[1], sphere.z + sign * shift[2], sphere.r};
 }
 
 /* No coordinate or radius of the state is larger. */

@@ -1,0 +1,540 @@
+/* Trials and queries in periodic boxes, against all images of all pairs in long double. */
+#include "check.h"
+
+enum {
+  CHAINS = 6,
+  BEADS = 16,
+  RIGID = 12,
+  PARTICLES = CHAINS * BEADS + RIGID,
+  LINKS = CHAINS * BEADS + 1,
+  TRIALS = 150
+};
+
+static uint32_t state = 1;
+
+/* From 0 to 1. */
+static double drawn(void) {
+  state = state * 1664525u + 1013904223u;
+  return (state >> 8) * 0x1p-24;
+}
+
+static double drawnBetween(double low, double high) {
+  return low + (high - low) * drawn();
+}
+
+/* Box vectors: cubic, flat, a slab, a truncated octahedron, a rhombic dodecahedron, skewed, at the edge of OpenMM's
+ * reduced form, and so small that a chain meets itself. */
+static const double boxes[][3][3] = {
+    {{5, 0, 0}, {0, 5, 0}, {0, 0, 5}},
+    {{6, 0, 0}, {0, 5, 0}, {0, 0, 3}},
+    {{3, 0, 0}, {0, 3, 0}, {0, 0, 20}},
+    {{5, 0, 0}, {5 / 3.0, 4.714045207910317, 0}, {-5 / 3.0, 2.3570226039551585, 4.08248290463863}},
+    {{5, 0, 0}, {0, 5, 0}, {2.5, 2.5, 3.5355339059327378}},
+    {{4, 0, 0}, {1.3, 4.4, 0}, {-1.1, 0.9, 5}},
+    {{4, 0, 0}, {2, 4, 0}, {-2, 2, 4}},
+    {{1.65, 0, 0}, {0, 1.65, 0}, {0, 0, 1.65}},
+};
+enum { BOXES = sizeof boxes / sizeof boxes[0] };
+
+typedef struct Scene {
+  double positions[3 * PARTICLES];
+  double radii[PARTICLES];
+  int links[PARTICLES];
+  int parents[LINKS];
+  uint8_t joints[LINKS];
+  int torsions[LINKS][4];
+  int exclusions[CHAINS * BEADS][2];
+} Scene;
+
+/* Chains of beads that turn about each other, and one rigid body, all about one box wide. */
+static ctChainTree* makeScene(Scene* scene, const double (*box)[3], double tolerance) {
+  memset(scene, 0, sizeof *scene);
+  int exclusionCount = 0;
+  for (int i = 0; i < PARTICLES; i++) {
+    const bool isRigid = i >= CHAINS * BEADS;
+    const bool isHead = isRigid ? i == CHAINS * BEADS : i % BEADS == 0;
+    double* x = scene->positions + 3 * i;
+    for (int d = 0; d < 3; d++) {
+      x[d] = isHead ? drawnBetween(0, 1.5) * box[d][d] : x[d - 3] + drawnBetween(-0.3, 0.4);
+    }
+    scene->radii[i] = i % 7 == 3 ? 0 : drawnBetween(0.05, 0.15);
+    const int link = isRigid ? CHAINS * BEADS : i;
+    scene->links[i] = link;
+    scene->parents[link] = isHead || isRigid ? CT_NULL : i - 1;
+    scene->joints[link] = isHead || isRigid ? ctFreeJoint : ctBallJoint;
+    if (!isHead && !isRigid) {
+      scene->torsions[link][1] = i - 1;
+      scene->exclusions[exclusionCount][0] = i;
+      scene->exclusions[exclusionCount++][1] = i - 1;
+    }
+  }
+  const ctDefinition definition = {.particleCount = PARTICLES,
+                                   .positions = scene->positions,
+                                   .radii = scene->radii,
+                                   .particleLinks = scene->links,
+                                   .linkCount = LINKS,
+                                   .linkParents = scene->parents,
+                                   .linkJoints = scene->joints,
+                                   .linkTorsions = (const int(*)[4])scene->torsions,
+                                   .exclusionCount = exclusionCount,
+                                   .exclusions = (const int(*)[2])scene->exclusions,
+                                   .box = box,
+                                   .overlapTolerance = tolerance};
+  return checkedCreate(&definition);
+}
+
+static bool isExcluded(const Scene* scene, int i, int j) {
+  return j == i - 1 && scene->joints[scene->links[i]] == ctBallJoint && i < CHAINS * BEADS;
+}
+
+static long double imageDistance(const double* positions, int i, int j, const double (*box)[3], const int n[3]) {
+  long double squared = 0;
+  for (int d = 0; d < 3; d++) {
+    long double apart = (long double)positions[3 * i + d] - positions[3 * j + d];
+    for (int k = 0; k < 3; k++) {
+      apart += (long double)n[k] * box[k][d];
+    }
+    squared += apart * apart;
+  }
+  return sqrtl(squared);
+}
+
+/* The image of i that is nearest to j, if they are within half a box width of each other. */
+static void nearestImage(const double* positions, int i, int j, const double (*box)[3], int n[3]) {
+  double apart[3];
+  for (int d = 0; d < 3; d++) {
+    apart[d] = positions[3 * i + d] - positions[3 * j + d];
+  }
+  for (int k = 2; k >= 0; k--) {
+    n[k] = -(int)floor(apart[k] / box[k][k] + 0.5);
+    for (int d = 0; d < 3; d++) {
+      apart[d] += n[k] * box[k][d];
+    }
+  }
+}
+
+/* A trial: links that change, and positions before and in it. */
+typedef struct Trial {
+  int count;
+  ctChange changes[2];
+  double before[3 * PARTICLES];
+  double after[3 * PARTICLES];
+} Trial;
+
+static bool isPivot(const Scene* scene, const Trial* trial, int particle) {
+  for (int c = 0; c < trial->count; c++) {
+    const int link = trial->changes[c].link;
+    if (scene->joints[link] == ctBallJoint && scene->torsions[link][1] == particle) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Whether some pair whose distance changes clashes. `doubtful`: that hangs on less than CT_SIGMA, or on a distance from
+ * a pivot, which is the same but is tested. */
+static bool clashes(const Scene* scene, const Trial* trial, const double (*box)[3], double tolerance, bool* byImage,
+                    bool* doubtful) {
+  bool isClash = false;
+  bool isClashHere = false;
+  *doubtful = false;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      if (scene->radii[i] == 0 || scene->radii[j] == 0 || isExcluded(scene, i, j)) {
+        continue;
+      }
+      int middle[3];
+      nearestImage(trial->after, i, j, box, middle);
+      for (int image = 0; image < 27; image++) {
+        const int n[3] = {middle[0] + image % 3 - 1, middle[1] + image / 3 % 3 - 1, middle[2] + image / 9 - 1};
+        const long double distance = imageDistance(trial->after, i, j, box, n);
+        const double overlap = (double)(scene->radii[i] + scene->radii[j] - distance) - tolerance;
+        if (overlap <= -CT_SIGMA) {
+          continue;
+        }
+        if (fabs((double)(imageDistance(trial->before, i, j, box, n) - distance)) > 1e-11) {
+          *doubtful = *doubtful || overlap < CT_SIGMA;
+          isClash = isClash || overlap > 0;
+          isClashHere = isClashHere || (overlap > 0 && n[0] == 0 && n[1] == 0 && n[2] == 0);
+        } else {
+          *doubtful = *doubtful || isPivot(scene, trial, i) || isPivot(scene, trial, j);
+        }
+      }
+    }
+  }
+  *byImage = isClash && !isClashHere;
+  return isClash;
+}
+
+/* ---- Queries of the state ---- */
+
+/* The nearest image, for any distance: the least of 125 about the reduced one. */
+static double nearestDistance(const double* positions, int i, int j, const double (*box)[3]) {
+  int middle[3];
+  long double least = INFINITY;
+  nearestImage(positions, i, j, box, middle);
+  for (int image = 0; image < 125; image++) {
+    const int n[3] = {middle[0] + image % 5 - 2, middle[1] + image / 5 % 5 - 2, middle[2] + image / 25 - 2};
+    const long double distance = imageDistance(positions, i, j, box, n);
+    least = distance < least ? distance : least;
+  }
+  return (double)least;
+}
+
+typedef struct Listed {
+  double value[PARTICLES][PARTICLES]; /* of pairs j < i; 0: not listed */
+  bool twice;
+} Listed;
+
+static bool list(void* context, int particle1, int particle2, double value) {
+  Listed* listed = context;
+  CHECK(particle1 < particle2);
+  listed->twice = listed->twice || listed->value[particle2][particle1] != 0;
+  listed->value[particle2][particle1] = value;
+  return true;
+}
+
+static bool listChanged(void* context, int particle1, int particle2, double before, double after) {
+  (void)before;
+  return list(context, particle1, particle2, after);
+}
+
+/* Listed pairs have these distances, and no pair is missing. */
+static void checkNeighbors(const Scene* scene, ctChainTree* tree, const double* positions, const double (*box)[3],
+                           double cutoff) {
+  static Listed listed;
+  static int pairs[2][PARTICLES * PARTICLES];
+  static double distances[PARTICLES * PARTICLES];
+  memset(&listed, 0, sizeof listed);
+  CHECK_SUCCESS(ctForEachNeighborPair(tree, cutoff, list, &listed, NULL));
+  CHECK(!listed.twice);
+  size_t expected = 0;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      const bool counts = scene->radii[i] > 0 && scene->radii[j] > 0 && !isExcluded(scene, i, j);
+      const double distance = nearestDistance(positions, i, j, box);
+      const double found = listed.value[i][j];
+      CHECK(found == 0 ? !counts || distance > cutoff - CT_SIGMA : counts && fabs(found - distance) < 1e-12);
+      expected += found != 0;
+    }
+  }
+  size_t count = 0;
+  CHECK_SUCCESS(
+      ctGetNeighborPairs(tree, cutoff, true, PARTICLES * PARTICLES, pairs[0], pairs[1], distances, &count, NULL));
+  CHECK(count == expected);
+  for (size_t i = 0; i < count; i++) {
+    CHECK(distances[i] == listed.value[pairs[1][i]][pairs[0][i]]);
+  }
+}
+
+static void checkClashes(const Scene* scene, ctChainTree* tree, const double* positions, const double (*box)[3],
+                         double tolerance) {
+  static Listed listed;
+  static double forces[3 * PARTICLES];
+  memset(&listed, 0, sizeof listed);
+  memset(forces, 0, sizeof forces);
+  CHECK_SUCCESS(ctForEachClash(tree, list, &listed, NULL));
+  CHECK(!listed.twice);
+  double sum = 0;
+  bool some = false;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      const bool counts = scene->radii[i] > 0 && scene->radii[j] > 0 && !isExcluded(scene, i, j);
+      const double overlap = scene->radii[i] + scene->radii[j] - nearestDistance(positions, i, j, box);
+      const double found = listed.value[i][j];
+      CHECK(found == 0 ? !counts || overlap < tolerance + CT_SIGMA : counts && fabs(found - overlap) < 1e-12);
+      sum += counts && overlap > tolerance ? 0.5 * (overlap - tolerance) * (overlap - tolerance) : 0;
+      some = some || found != 0;
+    }
+  }
+  double energy;
+  bool clash;
+  CHECK_SUCCESS(ctComputeEnergy(tree, 1, &energy, forces, NULL));
+  CHECK_NEAR(energy, sum, 1e-12);
+  CHECK_SUCCESS(ctHasClash(tree, &clash, NULL, NULL));
+  CHECK(clash == some);
+  double total[3] = {0, 0, 0};
+  for (int i = 0; i < 3 * PARTICLES; i++) {
+    total[i % 3] += forces[i];
+  }
+  CHECK_NEAR(total[0] * total[0] + total[1] * total[1] + total[2] * total[2], 0, 1e-20);
+}
+
+static void checkMinimumDistance(ctChainTree* tree, const double* positions, const double (*box)[3]) {
+  int sets[2][8];
+  int pair[2];
+  double distance;
+  double least = INFINITY;
+  for (int k = 0; k < 16; k++) {
+    sets[k / 8][k % 8] = (int)(drawn() * PARTICLES);
+  }
+  for (int a = 0; a < 8; a++) {
+    for (int b = 0; b < 8; b++) {
+      if (sets[0][a] != sets[1][b]) {
+        least = fmin(least, nearestDistance(positions, sets[0][a], sets[1][b], box));
+      }
+    }
+  }
+  CHECK_SUCCESS(minimumDistance(tree, 8, sets[0], 8, sets[1], &distance, pair));
+  CHECK_NEAR(distance, least, 1e-12);
+}
+
+typedef struct Probed {
+  double overlap[PARTICLES];
+} Probed;
+
+static bool noteParticle(void* context, int particle, double overlap) {
+  Probed* probed = context;
+  CHECK(probed->overlap[particle] == 0);
+  probed->overlap[particle] = overlap;
+  return true;
+}
+
+static void checkProbe(const Scene* scene, ctChainTree* tree, const double* positions, const double (*box)[3],
+                       double tolerance) {
+  Probed probed = {{0}};
+  double with[3 * (PARTICLES + 1)];
+  memcpy(with, positions, 3 * PARTICLES * sizeof(double));
+  for (int d = 0; d < 3; d++) {
+    with[3 * PARTICLES + d] = drawnBetween(-20, 20);
+  }
+  const double radius = 0.6;
+  CHECK_SUCCESS(ctForEachClashWith(tree, with + 3 * PARTICLES, radius, noteParticle, &probed, NULL));
+  for (int i = 0; i < PARTICLES; i++) {
+    const double overlap = scene->radii[i] + radius - nearestDistance(with, i, PARTICLES, box);
+    const bool expected = scene->radii[i] > 0 && overlap > tolerance;
+    CHECK(expected ? fabs(probed.overlap[i] - overlap) < 1e-12 : probed.overlap[i] == 0);
+  }
+}
+
+/* All pairs within the cutoff in the trial whose nearest distance changes are listed, with that. */
+static void checkChanged(const Scene* scene, ctChainTree* tree, const Trial* trial, const double (*box)[3],
+                         double cutoff) {
+  static Listed listed;
+  memset(&listed, 0, sizeof listed);
+  CHECK_SUCCESS(ctForEachChangedPair(tree, cutoff, listChanged, &listed, NULL));
+  CHECK(!listed.twice);
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      const bool counts = scene->radii[i] > 0 && scene->radii[j] > 0 && !isExcluded(scene, i, j);
+      const double before = nearestDistance(trial->before, i, j, box);
+      const double after = nearestDistance(trial->after, i, j, box);
+      const double found = listed.value[i][j];
+      if (found == 0) {
+        CHECK(!counts || fabs(before - after) < 1e-11 || (before > cutoff - CT_SIGMA && after > cutoff - CT_SIGMA));
+      } else {
+        CHECK(counts && (before < cutoff + CT_SIGMA || after < cutoff + CT_SIGMA));
+        CHECK(after > cutoff || fabs(found - after) < 1e-12);
+      }
+    }
+  }
+}
+
+static void testBox(const double (*box)[3], int* clashing, int* byImageAlone) {
+  static Scene scene;
+  const double tolerance = 0.1;
+  ctChainTree* tree = makeScene(&scene, box, tolerance);
+  static Trial trial;
+  for (int t = 0; t < TRIALS; t++) {
+    trial.count = 1 + (drawn() < 0.3);
+    for (int c = 0; c < trial.count; c++) {
+      ctChange* change = &trial.changes[c];
+      change->link =
+          c == 0 ? (int)(drawn() * LINKS) : (trial.changes[0].link + 1 + (int)(drawn() * (LINKS - 1))) % LINKS;
+      const bool isFree = scene.joints[change->link] == ctFreeJoint;
+      const bool turns = !isFree || drawn() < 0.7;
+      const double most = drawn() < 0.5 ? 0.2 : 3;
+      for (int d = 0; d < 3; d++) {
+        change->rotation[d] = turns ? drawnBetween(-most, most) : 0;
+        change->translation[d] = drawnBetween(-most, most);
+        change->pivot[d] = drawnBetween(0, 3);
+      }
+    }
+    bool clash;
+    bool doubtful;
+    bool byImage;
+    ctGetPositions(tree, trial.before);
+    CHECK_SUCCESS(ctPropose(tree, trial.count, trial.changes));
+    CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
+    CHECK_SUCCESS(ctGetTrialPositions(tree, trial.after));
+    const bool expected = clashes(&scene, &trial, box, tolerance, &byImage, &doubtful);
+    CHECK(clash == expected || doubtful);
+    *clashing += expected;
+    *byImageAlone += byImage;
+    const double width = fmin(fmin(box[0][0], box[1][1]), box[2][2]);
+    if (t % 10 == 0) {
+      checkChanged(&scene, tree, &trial, box, 0.4 * width);
+    }
+    if (!clash || drawn() < 0.1) {
+      CHECK_SUCCESS(ctAccept(tree, NULL));
+    }
+    if (t % 30 == 0) {
+      ctGetPositions(tree, trial.before);
+      checkNeighbors(&scene, tree, trial.before, box, drawn() < 0.5 ? width / 2 : 0.3 * width);
+      checkClashes(&scene, tree, trial.before, box, tolerance);
+      checkMinimumDistance(tree, trial.before, box);
+      checkProbe(&scene, tree, trial.before, box, tolerance);
+    }
+  }
+  CHECK(ctValidate(tree));
+  ctDestroy(tree);
+}
+
+/* Beads on a cubic lattice with half a box between them: of two images at the same distance one is listed. */
+static void testEquallyNear(void) {
+  enum { SIDE_COUNT = 2, COUNT = SIDE_COUNT * SIDE_COUNT * SIDE_COUNT };
+  const double box[3][3] = {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+  double positions[3 * COUNT];
+  double radii[COUNT];
+  int links[COUNT];
+  int parents[COUNT];
+  uint8_t joints[COUNT];
+  for (int i = 0; i < COUNT; i++) {
+    for (int d = 0; d < 3; d++) {
+      positions[3 * i + d] = (i >> d & 1) + 0.3 + 2 * (i % 3);
+    }
+    radii[i] = 0.1;
+    links[i] = i;
+    parents[i] = CT_NULL;
+    joints[i] = ctFreeJoint;
+  }
+  const ctDefinition definition = {.particleCount = COUNT,
+                                   .positions = positions,
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .linkCount = COUNT,
+                                   .linkParents = parents,
+                                   .linkJoints = joints,
+                                   .box = box};
+  ctChainTree* tree = checkedCreate(&definition);
+  PairCount pairs = {0};
+  CHECK_SUCCESS(ctForEachNeighborPair(tree, 1, countPair, &pairs, NULL));
+  CHECK(pairs.count == 12); /* the edges of a cube */
+  CHECK_NEAR(pairs.value, 1, 1e-15);
+  CHECK_FAILURE(tree, ctInvalidArgument, "half the periodic box's width, 1 nm",
+                ctForEachNeighborPair(tree, 1.0001, countPair, &pairs, NULL));
+  ctDestroy(tree);
+}
+
+/* Molecules that are many boxes away meet the same images, also after trials, and in a scene that is given the state.
+ */
+static void testDrift(const double (*box)[3]) {
+  static Scene scene;
+  enum { AWAY = 300 };
+  state = 5;
+  ctChainTree* near = makeScene(&scene, box, 0.1);
+  double away[LINKS][3] = {{0}};
+  double positions[2][3 * PARTICLES];
+  ctGetPositions(near, positions[0]);
+  for (int i = 0; i < PARTICLES; i++) {
+    const int link = scene.links[i];
+    const bool isHead = scene.joints[link] == ctFreeJoint && (link != LINKS - 1 || i == PARTICLES - RIGID);
+    for (int k = 0; k < 3 && isHead; k++) {
+      const int n = (int)drawnBetween(-AWAY, AWAY);
+      for (int d = 0; d < 3; d++) {
+        away[link][d] += n * box[k][d];
+      }
+    }
+    if (scene.joints[link] == ctBallJoint) {
+      memcpy(away[link], away[link - 1], sizeof away[link]);
+    }
+    for (int d = 0; d < 3; d++) {
+      positions[1][3 * i + d] = positions[0][3 * i + d] + away[link][d];
+    }
+  }
+  state = 5;
+  ctChainTree* far = makeScene(&scene, box, 0.1);
+  CHECK_SUCCESS(ctSetPositions(far, positions[1]));
+  ctCounts counts[2] = {{0}};
+  for (int t = 0; t < TRIALS; t++) {
+    ctChange change[2] = {{.link = (int)(drawn() * LINKS)}};
+    for (int d = 0; d < 3; d++) {
+      change[0].rotation[d] = drawnBetween(-1, 1);
+      change[0].translation[d] = drawnBetween(-3, 3);
+      change[0].pivot[d] = drawnBetween(0, 3);
+    }
+    change[1] = change[0];
+    for (int d = 0; d < 3; d++) {
+      change[1].pivot[d] += away[change[0].link][d];
+    }
+    bool clash[2];
+    ctChainTree* const both[2] = {near, far};
+    for (int k = 0; k < 2; k++) {
+      CHECK_SUCCESS(ctPropose(both[k], 1, &change[k]));
+      CHECK_SUCCESS(ctTestTrial(both[k], &clash[k], NULL, &counts[k]));
+    }
+    CHECK(clash[0] == clash[1]);
+    for (int k = 0; k < 2 && !clash[0]; k++) {
+      CHECK_SUCCESS(ctAccept(both[k], NULL));
+    }
+  }
+  ctGetPositions(near, positions[0]);
+  ctGetPositions(far, positions[1]);
+  for (int i = 0; i < 3 * PARTICLES; i++) {
+    CHECK_NEAR(positions[1][i], positions[0][i] + away[scene.links[i / 3]][i % 3], 1e-10);
+  }
+  CHECK(counts[1].volumeTests < 2 * counts[0].volumeTests);
+  CHECK(ctValidate(far));
+  double* numbers = malloc(ctGetStateSize(far) * sizeof *numbers);
+  ctGetState(far, numbers);
+  CHECK_SUCCESS(ctSetState(near, numbers));
+  ctGetPositions(near, positions[0]);
+  CHECK(memcmp(positions[0], positions[1], sizeof positions[0]) == 0);
+  double centroids[2][3];
+  ctTransform between[2];
+  CHECK_SUCCESS(ctGetCentroid(far, 0, centroids[0]));
+  CHECK_SUCCESS(ctGetRelativeTransform(far, 0, LINKS - 1, &between[0]));
+  /* A box that is no box changes nothing that callers see. */
+  CHECK_SUCCESS(ctSetBox(far, NULL));
+  CHECK_SUCCESS(ctGetCentroid(far, 0, centroids[1]));
+  CHECK_SUCCESS(ctGetRelativeTransform(far, 0, LINKS - 1, &between[1]));
+  ctGetPositions(far, positions[0]);
+  CHECK(memcmp(positions[0], positions[1], sizeof positions[0]) == 0);
+  const double* head = positions[0];
+  const double* other = positions[0] + 3 * (PARTICLES - RIGID);
+  for (int d = 0; d < 3; d++) {
+    CHECK_NEAR(centroids[0][d], centroids[1][d], 1e-10);
+    CHECK_NEAR(between[1].translation[d], other[d] - head[d], 1e-10); /* no link is turned against these positions */
+  }
+  const double* r = between[0].translation;
+  const double apart[3] = {other[0] - head[0], other[1] - head[1], other[2] - head[2]};
+  CHECK_NEAR(r[0] * r[0] + r[1] * r[1] + r[2] * r[2], apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2],
+             1e-6);
+  free(numbers);
+  ctDestroy(near);
+  ctDestroy(far);
+}
+
+static void testFaults(void) {
+  static Scene scene;
+  ctChainTree* tree = makeScene(&scene, boxes[0], 0.1);
+  const double left[3][3] = {{5, 0, 0}, {0, 5, 1}, {0, 0, 5}};
+  const double skewed[3][3] = {{5, 0, 0}, {3, 5, 0}, {0, 0, 5}};
+  const double narrow[3][3] = {{5, 0, 0}, {0, 0.3, 0}, {0, 0, 5}};
+  const double flat[3][3] = {{5, 0, 0}, {0, 0, 0}, {0, 0, 5}};
+  CHECK_FAILURE(tree, ctInvalidArgument, "reduced form", ctSetBox(tree, left));
+  CHECK_FAILURE(tree, ctInvalidArgument, "reduced form", ctSetBox(tree, skewed));
+  CHECK_FAILURE(tree, ctInvalidArgument, "0.3 nm wide", ctSetBox(tree, narrow));
+  CHECK_FAILURE(tree, ctInvalidArgument, "positive volume", ctSetBox(tree, flat));
+  CHECK_FAILURE(tree, ctInvalidArgument, "the probe of radius 3 nm",
+                ctForEachClashWith(tree, scene.positions, 3, noteParticle, NULL, NULL));
+  CHECK_SUCCESS(ctSetBox(tree, NULL));
+  CHECK_SUCCESS(ctSetBox(tree, boxes[6]));
+  ctDestroy(tree);
+}
+
+int main(void) {
+  testEquallyNear();
+  testFaults();
+  for (int box = 0; box < BOXES; box++) {
+    testDrift(boxes[box]);
+  }
+  int clashing = 0;
+  int byImage = 0;
+  for (int box = 0; box < BOXES; box++) {
+    testBox(boxes[box], &clashing, &byImage);
+  }
+  printf("%d clashes of %d trials, %d by images alone\n", clashing, BOXES * TRIALS, byImage);
+  CHECK(clashing > BOXES * TRIALS / 20 && clashing < BOXES * TRIALS * 19 / 20 && byImage > clashing / 10);
+  return checkResult();
+}
