@@ -4,6 +4,14 @@
 
 #include "set.h"
 
+/* For the functions below. A compiler that optimizes little does not see that their pointers are constants, and refuses
+ * to inline them: so the build says where that is sure. */
+#ifdef CT_INLINES_VISITORS
+#define CT_VISITOR CT_INLINE
+#else
+#define CT_VISITOR static inline
+#endif
+
 /* Returns the members (bits) of node a that may be near a member of node b. */
 typedef unsigned RowsFunction(void* search, int level, int a, int b);
 

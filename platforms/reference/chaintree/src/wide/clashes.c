@@ -104,7 +104,7 @@ static bool sweepLeaves(void* search, int a, int firstB, unsigned near) {
 
 /* The members (bits) of node a that are near node b. Where the boxes of two nodes overlap, most of their members may
  * still be far from each other's boxes (section 4). */
-CT_INLINE unsigned membersNearOther(void* search, int level, int a, int b) {
+CT_VISITOR unsigned membersNearOther(void* search, int level, int a, int b) {
   const Pass* pass = search;
   const Tree* layout = pass->sweep->layout;
   const SnapshotBoxes* aroundA = snapshotBoxes(&pass->sweep->snapshot, layout, a);
@@ -121,7 +121,7 @@ CT_INLINE unsigned membersNearOther(void* search, int level, int a, int b) {
   return membersNearNode(pass, level, aroundB, a) == 0 ? 0 : rows;
 }
 
-CT_INLINE unsigned membersNearMember(void* search, int level, int a, int k, int b) {
+CT_VISITOR unsigned membersNearMember(void* search, int level, int a, int k, int b) {
   const Pass* pass = search;
   const Tree* layout = pass->sweep->layout;
   const SnapshotBoxes* aroundA = snapshotBoxes(&pass->sweep->snapshot, layout, a);

@@ -291,7 +291,7 @@ static bool addPairs(void* search, int row, int first, unsigned near) {
 }
 
 /* Members of node a that are near node b. */
-CT_INLINE unsigned rowsInState(void* search, int level, int a, int b) {
+CT_VISITOR unsigned rowsInState(void* search, int level, int a, int b) {
   LeafDescent* d = search;
   const Tree* tree = d->task->tree;
   const unsigned rows = d->task->leaves->occupied[a];
@@ -301,7 +301,7 @@ CT_INLINE unsigned rowsInState(void* search, int level, int a, int b) {
   return nearByGaps(d, gapsInState(d, treeParent(tree, level, b), memberIndex(b - tree->levelBegin[level]), a), rows);
 }
 
-CT_INLINE unsigned columnsInState(void* search, int level, int a, int k, int b) {
+CT_VISITOR unsigned columnsInState(void* search, int level, int a, int k, int b) {
   LeafDescent* d = search;
   const Float16 gaps = gapsInState(d, a, k, b);
   (void)level;
@@ -317,7 +317,7 @@ CT_INLINE unsigned smallerBodies(const LeafDescent* d, int node) {
 
 /* Rows of the earlier of two nodes meet all members of the later. Rows of the later meet the others of the earlier,
  * which are of the largest body. */
-CT_INLINE unsigned rowsInTrial(void* search, int level, int a, int b) {
+CT_VISITOR unsigned rowsInTrial(void* search, int level, int a, int b) {
   LeafDescent* d = search;
   const LeafTask* task = d->task;
   const Tree* tree = task->tree;
@@ -330,7 +330,7 @@ CT_INLINE unsigned rowsInTrial(void* search, int level, int a, int b) {
   return nearByGaps(d, leastGaps(d, treeParent(tree, level, b), memberIndex(b - tree->levelBegin[level]), a), rows);
 }
 
-CT_INLINE unsigned columnsInTrial(void* search, int level, int a, int k, int b) {
+CT_VISITOR unsigned columnsInTrial(void* search, int level, int a, int k, int b) {
   LeafDescent* d = search;
   const LeafTask* task = d->task;
   const int body = trialMembers(task->leaves, task->tree, a)->body[k];

@@ -16,7 +16,7 @@ typedef struct NodeSearch {
 } NodeSearch;
 
 /* The member that holds the own node, of a node that holds it. */
-CT_INLINE unsigned memberOverOwn(void* search, int level, int a, int b) {
+CT_VISITOR unsigned memberOverOwn(void* search, int level, int a, int b) {
   const NodeSearch* nodes = search;
   const int rank = nodes->own - nodes->pass->sweep->layout->levelBegin[1];
   (void)a;
@@ -24,7 +24,7 @@ CT_INLINE unsigned memberOverOwn(void* search, int level, int a, int b) {
   return 1u << memberIndex(rank >> TREE_WIDTH_BITS * (level - 2));
 }
 
-CT_INLINE unsigned membersNearOwn(void* search, int level, int a, int k, int b) {
+CT_VISITOR unsigned membersNearOwn(void* search, int level, int a, int k, int b) {
   const NodeSearch* nodes = search;
   const Sweep* sweep = nodes->pass->sweep;
   nodes->pass->task->volumeTests += treeMemberCount(sweep->layout, level, b);
@@ -33,7 +33,7 @@ CT_INLINE unsigned membersNearOwn(void* search, int level, int a, int k, int b) 
          notBefore(a, k, b);
 }
 
-CT_INLINE bool addNodes(void* search, int own, int first, unsigned near) {
+CT_VISITOR bool addNodes(void* search, int own, int first, unsigned near) {
   NodeSearch* nodes = search;
   const Sweep* sweep = nodes->pass->sweep;
   (void)own;
