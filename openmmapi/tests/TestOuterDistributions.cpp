@@ -15,9 +15,9 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static void addCentroidForce(System& system, int group)
+static void addCentroidForceOfStrength(System& system, int group, const string& strength)
 {
-    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "12*(same(distance(g1,g2))-1.3)^2");
+    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, strength + "*(same(distance(g1,g2))-1.3)^2");
     force->addTabulatedFunction("same",
                                 new Continuous1DFunction({0, 30}, 0, 30)); // so that only OpenMM can evaluate it
     force->addGroup({0, 1});
@@ -25,6 +25,11 @@ static void addCentroidForce(System& system, int group)
     force->addBond({0, 1});
     force->setForceGroup(group);
     system.addForce(force);
+}
+
+static void addCentroidForce(System& system, int group)
+{
+    addCentroidForceOfStrength(system, group, "12");
 }
 
 static void addManyParticleForce(System& system, int group)
@@ -103,22 +108,24 @@ static void testSoftSpheres()
 }
 
 /**
- * As on platforms that evaluate force groups as a whole.
+ * As on platforms that evaluate force groups as a whole. Outer tests decide the weak Force, trials the strong one.
  */
 static void testMixedForces()
 {
     const int numSteps = 3000;
-    ShortChain shared(0.3);
-    addCentroidForce(shared.system, 0);
-    CustomTorsionForce* elsewhere = new CustomTorsionForce("4*cos(theta)");
-    elsewhere->addTorsion(0, 1, 2, 3);
-    elsewhere->setForceGroup(2);
-    shared.system.addForce(elsewhere);
-    const Means expected = shared.computeMeans(1 | 1 << 2);
-    for (const char* way : {"groups", "copies"}) {
-        WholeGroups wholeGroups(way);
-        for (int trialsPerTest : {0, 7})
-            assertSampled(shared, expected, {trialsPerTest, 14, true, false}, numSteps);
+    for (const string strength : {"12", "60"}) {
+        ShortChain shared(0.3);
+        addCentroidForceOfStrength(shared.system, 0, strength);
+        CustomTorsionForce* elsewhere = new CustomTorsionForce("4*cos(theta)");
+        elsewhere->addTorsion(0, 1, 2, 3);
+        elsewhere->setForceGroup(2);
+        shared.system.addForce(elsewhere);
+        const Means expected = shared.computeMeans(1 | 1 << 2);
+        for (const char* way : {"groups", "copies"}) {
+            WholeGroups wholeGroups(way);
+            for (int trialsPerTest : {0, 7})
+                assertSampled(shared, expected, {trialsPerTest, 14, true, false}, numSteps);
+        }
     }
 }
 
