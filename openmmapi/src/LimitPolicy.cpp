@@ -52,7 +52,7 @@ void LimitPolicy::noStepIsUnderWay()
     stepBegun = NO_STEP;
 }
 
-void LimitPolicy::parametersWereChanged()
+void LimitPolicy::overlapsWereChanged()
 {
     isCurrent = false;
 }

@@ -2,6 +2,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/EngineArrays.h"
 #include <algorithm>
+#include <cstring>
 #include <string>
 
 using namespace ChainTreePlugin;
@@ -118,12 +119,38 @@ void Scene::check(ctStatus status) const
 
 // ---- State ----
 
-void Scene::setPositions(const vector<Vec3>& positions)
+void Scene::setBox(const BoxVectors& box)
 {
-    if (tree)
-        check(ctSetPositions(tree.get(), coordinatesOf(positions)));
-    else
-        setTree(createTree(definition, positions), positions);
+    SceneDefinition changed(definition);
+    changed.box = box;
+    createTree(changed, vector<Vec3>(definition.getNumParticles())); // which checks it
+    definition.box = box;
+}
+
+bool Scene::hasBox(const BoxVectors& box) const
+{
+    return !isPeriodic() || memcmp(box.data(), definition.box.data(), sizeof(BoxVectors)) == 0;
+}
+
+void Scene::setPositions(const vector<Vec3>& positions, const BoxVectors& box)
+{
+    const bool boxIsNew = !hasBox(box);
+    if (!tree) {
+        SceneDefinition changed(definition);
+        changed.box = box;
+        setTree(createTree(changed, positions), positions);
+        definition.box = box;
+        return;
+    }
+    if (boxIsNew)
+        check(ctSetBox(tree.get(), rowsOf(box)));
+    if (ctSetPositions(tree.get(), coordinatesOf(positions)) != ctSuccess) {
+        const string reason = ctGetErrorText(tree.get());
+        if (boxIsNew)
+            check(ctSetBox(tree.get(), rowsOf(definition.box)));
+        fail(reason);
+    }
+    definition.box = box;
 }
 
 void Scene::getPositions(vector<Vec3>& positions)
@@ -138,16 +165,23 @@ void Scene::getPositionsOf(const vector<int>& particles, vector<Vec3>& positions
     check(ctGetPositionsOf(tree.get(), false, particles.size(), particles.data(), coordinatesOf(positions)));
 }
 
-// Trees that were arranged by other positions agree only up to rounding, so the arrangement is part of the state.
+// Trees that were arranged by other positions agree only up to rounding, so the arrangement is part of the state. In a
+// periodic scene, the box comes after it.
+
+/** How many numbers the vectors of a box are. */
+static const size_t BOX_SIZE = 9;
 
 void Scene::getState(vector<double>& state)
 {
     state.clear();
     if (!tree)
         return;
-    state.resize(3 * arrangement.size() + ctGetStateSize(tree.get()));
-    copy_n(coordinatesOf(arrangement), 3 * arrangement.size(), state.begin());
-    ctGetState(tree.get(), &state[3 * arrangement.size()]);
+    state.assign(coordinatesOf(arrangement), coordinatesOf(arrangement) + 3 * arrangement.size());
+    if (isPeriodic())
+        state.insert(state.end(), rowsOf(definition.box)[0], rowsOf(definition.box)[0] + BOX_SIZE);
+    const size_t split = state.size();
+    state.resize(split + ctGetStateSize(tree.get()));
+    ctGetState(tree.get(), &state[split]);
 
     // This gives a continued run the same bits as a run that starts from these numbers.
 
@@ -161,16 +195,21 @@ void Scene::setState(const vector<double>& state)
         return;
     }
     vector<Vec3> positions(definition.getNumParticles());
-    const size_t split = 3 * positions.size();
+    SceneDefinition changed(definition);
+    const size_t split = 3 * positions.size() + (isPeriodic() ? BOX_SIZE : 0);
     if (state.size() < split)
         fail("the state is of another structure");
-    copy_n(state.begin(), split, coordinatesOf(positions));
-    Tree created = createTree(definition, positions);
+    copy_n(state.begin(), 3 * positions.size(), coordinatesOf(positions));
+    if (isPeriodic())
+        for (size_t i = 0; i < BOX_SIZE; i++)
+            changed.box[i / 3][i % 3] = state[3 * positions.size() + i];
+    Tree created = createTree(changed, positions);
     if (state.size() != split + ctGetStateSize(created.get()))
         fail("the state is of another structure");
     if (ctSetState(created.get(), &state[split]) != ctSuccess)
         fail(ctGetErrorText(created.get()));
     setTree(std::move(created), std::move(positions));
+    definition.box = changed.box;
 }
 
 void Scene::save()

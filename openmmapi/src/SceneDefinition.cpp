@@ -6,8 +6,8 @@ using namespace OpenMM;
 using namespace std;
 
 SceneDefinition::SceneDefinition(const StericExclusionForce& force, const LinkStructure& structure) :
-    parameters(force), torsionLinks(structure.getTorsionLinks()), ballJointLinks(structure.getBallJointLinks()),
-    particleLinks(structure.getParticleLinks())
+    parameters(force), isPeriodic(force.usesPeriodicBoundaryConditions()), torsionLinks(structure.getTorsionLinks()),
+    ballJointLinks(structure.getBallJointLinks()), particleLinks(structure.getParticleLinks())
 {
     for (const LinkStructure::Molecule& molecule : structure.getMolecules())
         moleculeRoots.push_back(molecule.root);
@@ -64,6 +64,7 @@ ctDefinition SceneDefinition::describe(const vector<Vec3>& positions) const
     definition.linkTorsions = rowsOf(linkTorsions);
     definition.exclusionCount = exclusions.size();
     definition.exclusions = rowsOf(exclusions);
+    definition.box = isPeriodic ? rowsOf(box) : NULL;
     definition.overlapTolerance = parameters.overlapTolerance;
     definition.hydrogenBondAllowance = parameters.hydrogenBondAllowance;
     return definition;

@@ -54,7 +54,8 @@ private:
     const ContextUse use;
 };
 
-StericExclusionForce::StericExclusionForce() : overlapTolerance(0.04), hydrogenBondAllowance(0.06), forceConstant(1e5)
+StericExclusionForce::StericExclusionForce() :
+    overlapTolerance(0.04), hydrogenBondAllowance(0.06), forceConstant(1e5), usesPeriodic(false)
 {
     setName("StericExclusionForce");
 }
@@ -254,6 +255,16 @@ void StericExclusionForce::setForceConstant(double k)
 {
     checkNotNegative(k, "StericExclusionForce: the force constant");
     forceConstant = k;
+}
+
+void StericExclusionForce::setUsesPeriodicBoundaryConditions(bool periodic)
+{
+    usesPeriodic = periodic;
+}
+
+bool StericExclusionForce::usesPeriodicBoundaryConditions() const
+{
+    return usesPeriodic;
 }
 
 void StericExclusionForce::updateParametersInContext(Context& context)

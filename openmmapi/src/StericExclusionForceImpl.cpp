@@ -43,6 +43,13 @@ static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
     return a.size() == b.size() && (a.empty() || memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
 }
 
+static BoxVectors getBox(ContextImpl& context)
+{
+    BoxVectors box;
+    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    return box;
+}
+
 /**
  * Warn if another Force uses periodic images, which this one ignores.
  */
@@ -59,8 +66,8 @@ static void warnOfPeriodicForces(const System& system)
         }
         if (isPeriodic) {
             warn("StericExclusionForce: the System is periodic (force " + to_string(i) + ", " + force.getName() +
-                 "), but spheres ignore periodic images: only particles that are near each other as their positions "
-                 "stand can clash");
+                 "), but spheres ignore periodic images, since the StericExclusionForce does not use periodic boundary "
+                 "conditions: only particles that are near each other as their positions stand can clash");
             return;
         }
     }
@@ -99,7 +106,10 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     scene = trialScene = newest = &kernel.getAs<CalcStericExclusionForceKernel>().getScene();
     limits.setScene(*scene);
     CustomCPPForceImpl::initialize(context);
-    warnOfPeriodicForces(system);
+    if (scene->isPeriodic())
+        scene->setBox(getBox(context));
+    else
+        warnOfPeriodicForces(system);
     isInitialized = true;
 }
 
@@ -115,6 +125,14 @@ Kernel StericExclusionForceImpl::createKernel(ContextImpl& context) const
         fail("its kernel is missing; load the plugin library OpenMMChainTreeReference before creating a Context");
     Kernel created = platform->createKernel(CalcStericExclusionForceKernel::Name(), context);
     created.getAs<CalcStericExclusionForceKernel>().initialize(*original, *structure);
+    return created;
+}
+
+unique_ptr<Scene> StericExclusionForceImpl::createScene(const StericExclusionForce& spheres) const
+{
+    unique_ptr<Scene> created(new Scene(spheres, *structure));
+    if (created->isPeriodic())
+        created->setBox(newest->getBox());
     return created;
 }
 
@@ -144,7 +162,7 @@ void StericExclusionForceImpl::updateParametersInContext(ContextImpl& context)
         fail("its particles, bonds, torsions, ball joints, closures or exclusions differ from those that the Context "
              "was created with; reinitialize the Context");
     kernel.getAs<CalcStericExclusionForceKernel>().copyParametersToContext(context, owner);
-    limits.parametersWereChanged();
+    limits.overlapsWereChanged();
     context.systemChanged();
 }
 
@@ -176,11 +194,16 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 
 void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector<Vec3>& positions)
 {
-    if (!haveSameBits(positions, agreedPositions)) {
-        newest->setPositions(positions);
+    const BoxVectors box = getBox(context);
+    const bool areNew = !haveSameBits(positions, agreedPositions);
+    if (areNew || !newest->hasBox(box)) {
+        newest->setPositions(positions, box);
         agreedPositions = positions;
         stateWasChanged(*newest);
-        limits.particlesWereMoved();
+        if (areNew)
+            limits.particlesWereMoved();
+        else
+            limits.overlapsWereChanged();
     }
     limits.positionsWereSeen(context.getStepCount());
 }
@@ -260,7 +283,7 @@ void StericExclusionForceImpl::setTrialSpheres(const CoreSpheres& spheres)
                 replaced.setParticleParameters(i, spheres.radii[i], StericExclusionForce::NoHydrogenBond);
             for (auto& exclusion : spheres.exclusions)
                 replaced.addExclusion(exclusion[0], exclusion[1]);
-            unique_ptr<Scene> created(new Scene(replaced, *structure));
+            unique_ptr<Scene> created = createScene(replaced);
             setTrialScene(*created);
             coreScene = std::move(created);
             cores = spheres;
@@ -300,7 +323,7 @@ void StericExclusionForceImpl::bringUpToDate(Scene& behind)
 {
     if (!otherIsBehind || newest == &behind || agreedPositions.empty())
         return;
-    behind.setPositions(agreedPositions);
+    behind.setPositions(agreedPositions, newest->getBox());
     otherIsBehind = false;
     if (&behind == scene)
         limits.restart();
@@ -345,6 +368,14 @@ void StericExclusionForceImpl::createCheckpoint(CheckpointWriter& writer)
     limits.writeLimits(writer);
     writer.write(agreedPositions);
     limits.writeStep(writer);
+}
+
+vector<int> StericExclusionForceImpl::describeStructure() const
+{
+    vector<int> description = structure->describe();
+    if (original->usesPeriodicBoundaryConditions())
+        description.push_back(1);
+    return description;
 }
 
 void StericExclusionForceImpl::checkCheckpoint(ContextImpl& context, const KeptGeometry& kept) const

@@ -393,9 +393,9 @@ unique_ptr<TorsionMonteCarloIntegrator::KeptState> TorsionMonteCarloIntegrator::
     stringstream geometry;
     CheckpointWriter writer(geometry);
     force->createCheckpoint(writer);
-    return unique_ptr<KeptState>(
-        new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet), force->getLinkStructure().describe(),
-                      random->getState(), native->getStandIn(), native->getSchedule(), geometry.str(), false, false});
+    return unique_ptr<KeptState>(new KeptState{ContextSnapshot(context->getOwner(), positionsAreSet),
+                                               force->describeStructure(), random->getState(), native->getStandIn(),
+                                               native->getSchedule(), geometry.str(), false, false});
 }
 
 /**
@@ -475,7 +475,7 @@ void TorsionMonteCarloIntegrator::createCheckpoint(ostream& stream) const
     const string before = getWrittenBefore(stream);
     stringstream own;
     CheckpointWriter writer(own), all(stream);
-    writer.write(force != NULL ? force->getLinkStructure().describe() : kept->structure);
+    writer.write(force != NULL ? force->describeStructure() : kept->structure);
     moves->createCheckpoint(writer);
     outerStatistics->write(writer);
     if (force != NULL) {
@@ -541,8 +541,9 @@ void TorsionMonteCarloIntegrator::loadCheckpoint(istream& stream)
  */
 void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, int version, bool positionsAreSafe)
 {
-    if (reader.readVector<int>() != force->getLinkStructure().describe())
-        fail("the checkpoint is of another structure: its bonds and torsions make other links");
+    if (reader.readVector<int>() != force->describeStructure())
+        fail("the checkpoint is of another structure: its bonds and torsions make other links, or only one of the two "
+             "uses periodic boundary conditions");
     const MoveList::Progress progress = moves->readCheckpoint(reader);
     OuterStatistics restoredTests;
     restoredTests.read(reader);
@@ -591,7 +592,7 @@ void TorsionMonteCarloIntegrator::serializeParameters(SerializationNode& node) c
     context->getPositions(positions);
     stringstream geometry;
     CheckpointWriter writer(geometry);
-    writer.write(force->getLinkStructure().describe());
+    writer.write(force->describeStructure());
     force->createCheckpoint(writer);
     node.createChildNode("Geometry")
         .setStringProperty("positions", fingerprintOf(positions))
@@ -623,7 +624,7 @@ unique_ptr<KeptGeometry> TorsionMonteCarloIntegrator::readGeometry(const Seriali
         fail("the State is damaged");
     stringstream stream(data);
     CheckpointReader reader(stream);
-    if (reader.readVector<int>() != force->getLinkStructure().describe())
+    if (reader.readVector<int>() != force->describeStructure())
         return NULL;
     unique_ptr<KeptGeometry> geometry(new KeptGeometry(reader));
     if (version > 3)

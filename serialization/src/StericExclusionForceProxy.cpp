@@ -10,9 +10,11 @@ using namespace ChainTreePlugin;
 using namespace OpenMM;
 using namespace std;
 
-static const int NEWEST_VERSION = 2;
-/** The version of forces without ball joints and closures. */
+static const int NEWEST_VERSION = 3;
+/** The version of forces without ball joints, closures and periodic boundary conditions. */
 static const int VERSION_OF_TORSIONS = 1;
+/** The version of other forces without periodic boundary conditions. */
+static const int VERSION_WITHOUT_BOX = 2;
 
 StericExclusionForceProxy::StericExclusionForceProxy() : SerializationProxy("StericExclusionForce")
 {
@@ -31,16 +33,21 @@ static void writeParticles(SerializationNode& node, initializer_list<int> partic
 void StericExclusionForceProxy::serialize(const void* object, SerializationNode& node) const
 {
     const StericExclusionForce& force = *reinterpret_cast<const StericExclusionForce*>(object);
-    // Earlier releases can read a force without ball joints and closures.
+    // Earlier releases can read a force without what they do not know.
 
-    const bool hasOnlyTorsions = (force.getNumBallJoints() == 0 && force.getNumClosures() == 0);
-    const int version = hasOnlyTorsions ? VERSION_OF_TORSIONS : NEWEST_VERSION;
+    int version = VERSION_OF_TORSIONS;
+    if (force.usesPeriodicBoundaryConditions())
+        version = NEWEST_VERSION;
+    else if (force.getNumBallJoints() > 0 || force.getNumClosures() > 0)
+        version = VERSION_WITHOUT_BOX;
     node.setIntProperty("version", version);
     node.setIntProperty("forceGroup", force.getForceGroup());
     node.setStringProperty("name", force.getName());
     node.setDoubleProperty("overlapTolerance", force.getOverlapTolerance());
     node.setDoubleProperty("hydrogenBondAllowance", force.getHydrogenBondAllowance());
     node.setDoubleProperty("forceConstant", force.getForceConstant());
+    if (version > VERSION_WITHOUT_BOX)
+        node.setBoolProperty("usesPeriodicBoundaryConditions", true);
     SerializationNode& particles = node.createChildNode("Particles");
     for (int i = 0; i < force.getNumParticles(); i++) {
         double radius;
@@ -94,6 +101,8 @@ void* StericExclusionForceProxy::deserialize(const SerializationNode& node) cons
     force->setOverlapTolerance(node.getDoubleProperty("overlapTolerance"));
     force->setHydrogenBondAllowance(node.getDoubleProperty("hydrogenBondAllowance"));
     force->setForceConstant(node.getDoubleProperty("forceConstant"));
+    if (version > VERSION_WITHOUT_BOX)
+        force->setUsesPeriodicBoundaryConditions(node.getBoolProperty("usesPeriodicBoundaryConditions"));
     for (auto& particle : node.getChildNode("Particles").getChildren())
         force->addParticle(particle.getDoubleProperty("radius"),
                            (StericExclusionForce::HydrogenBondRole)particle.getIntProperty("hydrogenBondRole"));

@@ -46,13 +46,17 @@ string toXml(const Object& object, const string& root)
 }
 
 /**
- * Forces without ball joints and closures are still written as version 1.
+ * Forces without ball joints and closures are still written as version 1, others that ignore periodic images as
+ * version 2.
  */
 void testForces()
 {
-    for (const char* name : {"StericExclusionForce-1.xml", "StericExclusionForce-2.xml"}) {
+    for (const char* name :
+         {"StericExclusionForce-1.xml", "StericExclusionForce-2.xml", "StericExclusionForce-3.xml"}) {
         const string xml = readFile(name);
-        ASSERT_EQUAL(xml, toXml(*fromXml<Force>(xml), "Force"));
+        const unique_ptr<Force> force = fromXml<Force>(xml);
+        ASSERT_EQUAL(xml, toXml(*force, "Force"));
+        ASSERT_EQUAL(string(name) == "StericExclusionForce-3.xml", force->usesPeriodicBoundaryConditions());
     }
 }
 

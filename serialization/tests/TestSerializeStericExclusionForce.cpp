@@ -29,6 +29,7 @@ unique_ptr<StericExclusionForce> createForce()
     force->setOverlapTolerance(0.1 / 3);
     force->setHydrogenBondAllowance(0.05 / 3);
     force->setForceConstant(1e5 / 7);
+    force->setUsesPeriodicBoundaryConditions(true);
     force->addParticle(0.17, StericExclusionForce::Donor);
     force->addParticle(0.0);
     force->addParticle(1.0 / 3, StericExclusionForce::Acceptor);
@@ -54,6 +55,7 @@ void assertSameForces(const StericExclusionForce& expected, const StericExclusio
     ASSERT_EQUAL(expected.getOverlapTolerance(), found.getOverlapTolerance());
     ASSERT_EQUAL(expected.getHydrogenBondAllowance(), found.getHydrogenBondAllowance());
     ASSERT_EQUAL(expected.getForceConstant(), found.getForceConstant());
+    ASSERT_EQUAL(expected.usesPeriodicBoundaryConditions(), found.usesPeriodicBoundaryConditions());
     ASSERT_EQUAL(expected.getNumParticles(), found.getNumParticles());
     for (int i = 0; i < expected.getNumParticles(); i++) {
         double radius1, radius2;
@@ -140,13 +142,13 @@ void testBadXml()
         changed.replace(changed.find(good), good.size(), bad);
         fromXml(changed);
     };
-    string version = "type=\"StericExclusionForce\" version=\"";
+    string version = "usesPeriodicBoundaryConditions=\"1\" version=\"";
     assertThrows(
-        "the XML of a StericExclusionForce has version 3, but this openmm-chaintree reads only versions 1 to 2", [&] {
-            readWith(version + "2", version + "3");
+        "the XML of a StericExclusionForce has version 4, but this openmm-chaintree reads only versions 1 to 3", [&] {
+            readWith(version + "3", version + "4");
         });
     assertThrows("has version 0", [&] {
-        readWith(version + "2", version + "0");
+        readWith(version + "3", version + "0");
     });
     assertThrows("the radius of particle 0", [&] {
         readWith("radius=\".17\"", "radius=\"-1\"");
@@ -160,18 +162,23 @@ void testBadXml()
 }
 
 /**
- * Without ball joints and closures, the XML is that of releases without these features.
+ * Without ball joints, closures and periodic boundary conditions, the XML is that of releases without these features.
  */
 void testFormerVersion()
 {
     StericExclusionForce force;
     force.addParticle(0.1);
     const string xml = toXml(force);
-    ASSERT(xml.find("version=\"1\"") != string::npos && xml.find("BallJoint") == string::npos);
+    ASSERT(xml.find("version=\"1\"") != string::npos && xml.find("BallJoint") == string::npos &&
+           xml.find("eriodic") == string::npos);
     assertSameForces(force, dynamic_cast<StericExclusionForce&>(*fromXml(xml)));
     force.addClosure(0, 1, 2, 3);
     ASSERT(toXml(force).find("version=\"2\"") != string::npos);
     assertSameForces(force, dynamic_cast<StericExclusionForce&>(*fromXml(toXml(force))));
+    StericExclusionForce periodic;
+    periodic.setUsesPeriodicBoundaryConditions(true);
+    ASSERT(toXml(periodic).find("version=\"3\"") != string::npos);
+    assertSameForces(periodic, dynamic_cast<StericExclusionForce&>(*fromXml(toXml(periodic))));
 }
 
 int main()

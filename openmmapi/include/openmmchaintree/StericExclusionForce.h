@@ -81,9 +81,17 @@ namespace ChainTreePlugin {
  * restartLimits() is called. Checkpoints and States hold limits only with a TorsionMonteCarloIntegrator. Without one,
  * every change of positions other than by a proposal restarts the limits.
  *
- * <b>Periodic boundary conditions are not supported.</b> Distances are computed between the given positions, without
- * periodic images. If another Force of the System uses periodic boundary conditions, creating a Context warns of this:
- * on the standard error stream, or in Python by a UserWarning.
+ * <b>Periodic boundary conditions.</b> With setUsesPeriodicBoundaryConditions(true), every pair of particles counts in
+ * all periodic images: a particle may clash with an image of another one, also of its own molecule. An exclusion holds
+ * in all images of its pair. The box is that of the Context. A change of its vectors is taken up at the next query,
+ * proposal or step: it rejects an open proposal, and limits may grow but not shrink. Half the box's width (the least
+ * distance between opposite faces, which is the smallest of ax, by and cz) must be at least the largest distance at
+ * which two particles clash, and the cutoff of each query. Molecules may be anywhere, but must be whole, as they are in
+ * the Context: bonds connect positions as they are given, not their images.
+ *
+ * By default, distances are those between the given positions, and images count for nothing. If another Force of the
+ * System then uses periodic boundary conditions, creating a Context warns of this: on the standard error stream, or in
+ * Python by a UserWarning.
  *
  * The force keeps no state, so several Contexts may share it. Changing it after a Context was created has no effect on
  * that Context until updateParametersInContext() is called.
@@ -318,6 +326,16 @@ public:
      */
     void setForceConstant(double k);
     /**
+     * Set whether every pair of particles counts in all images of the Context's periodic box. The default is false.
+     *
+     * @param periodic  whether this force uses periodic boundary conditions
+     */
+    void setUsesPeriodicBoundaryConditions(bool periodic);
+    /**
+     * Get whether every pair of particles counts in all images of the Context's periodic box.
+     */
+    bool usesPeriodicBoundaryConditions() const;
+    /**
      * Copy radii, hydrogen bond roles, the overlap tolerance, the hydrogen bond allowance and the force constant to a
      * Context. A proposed trial is rejected. A limit above the pair's new tolerance is kept if both radii are above 0,
      * and limits grow at the next trial if the new parameters make new clashes.
@@ -325,7 +343,8 @@ public:
      * Bonds, torsions, ball joints, closures, exclusions and the number of particles cannot be changed this way: if
      * they have changed since the Context was created, this throws an exception. Reinitialize the Context instead.
      * (Existing bonds and exclusions may be repeated.) After an exception the Context is unchanged, and keeps the
-     * proposed trial.
+     * proposed trial. Whether the force uses periodic boundary conditions is not copied either; it applies from the
+     * next Context::reinitialize().
      *
      * This takes O(N log N) time.
      *
@@ -333,21 +352,15 @@ public:
      */
     void updateParametersInContext(OpenMM::Context& context);
     /**
-     * Returns false: this force does not support periodic boundary conditions.
-     */
-    bool usesPeriodicBoundaryConditions() const
-    {
-        return false;
-    }
-    /**
      * Get whether any pair of particles clashes, at the present positions. This is faster than getClashes(): it stops
-     * at the first clash.
+     * at the first clash. With periodic boundary conditions, images count.
      *
      * @param context  the Context whose positions are used
      */
     bool hasClash(OpenMM::Context& context) const;
     /**
-     * Get all clashes, at the present positions.
+     * Get all clashes, at the present positions. With periodic boundary conditions, images count: two particles clash
+     * in at most one image.
      *
      * @param context        the Context whose positions are used
      * @param[out] pairs     the pairs that clash, sorted, in each of them the lower index first
@@ -357,7 +370,8 @@ public:
                     std::vector<double>& overlaps) const;
     /**
      * Get all pairs of particles within a cutoff distance of each other, centre to centre, at the present positions.
-     * Excluded pairs and particles of radius 0 are left out.
+     * Excluded pairs and particles of radius 0 are left out. With periodic boundary conditions, distances are those of
+     * the nearest images, and the cutoff is at most half the box's width.
      *
      * @param context         the Context whose positions are used
      * @param cutoff          the largest distance, above 0, in nm
@@ -368,7 +382,9 @@ public:
                           std::vector<double>& distances) const;
     /**
      * Get the least distance, centre to centre, between a particle of one set and a different particle of another, at
-     * the present positions. Unlike the other queries this one includes excluded pairs and particles of radius 0.
+     * the present positions. Unlike the other queries this one includes excluded pairs and particles of radius 0. With
+     * periodic boundary conditions, it is the least distance between all images, however wide the box is; a particle
+     * and its own image are no pair.
      *
      * The time is about proportional to the sizes of the two sets, since groups of particles farther apart than the
      * nearest pair found are skipped as a whole.
@@ -384,7 +400,8 @@ public:
                               const std::vector<int>& particles2, int& particle1, int& particle2) const;
     /**
      * Get the particles that overlap a probe, a sphere that is no particle, by more than the overlap tolerance. The
-     * hydrogen bond allowance plays no part.
+     * hydrogen bond allowance plays no part. With periodic boundary conditions, images of particles count. Half the
+     * box's width must then be at least the largest distance at which the probe clashes.
      *
      * @param context         the Context whose positions are used
      * @param position        the centre of the probe, in nm
@@ -445,7 +462,9 @@ public:
      * Get the pairs of particles whose distance the proposed trial changes and which are within a cutoff distance of
      * each other before the trial, or in it, or both. A pair energy is updated from these. Excluded pairs and particles
      * of radius 0 are left out, and so may be pairs whose distance changes only by rounding, up to 2e-11 nm, as behind
-     * a closed window. It is an error if no trial is proposed.
+     * a closed window. It is an error if no trial is proposed. With periodic boundary conditions, distances are those
+     * of the nearest images, and the cutoff is at most half the box's width. Of a distance beyond half the box's width
+     * it is only certain that it is beyond: it may be that of a farther image.
      *
      * @param context      the Context in which the trial was opened
      * @param cutoff       the cutoff distance, above 0, in nm
@@ -535,6 +554,7 @@ private:
     std::vector<std::array<int, 4>> closures;
     std::vector<std::pair<int, int>> exclusions;
     double overlapTolerance, hydrogenBondAllowance, forceConstant;
+    bool usesPeriodic;
 };
 
 /**

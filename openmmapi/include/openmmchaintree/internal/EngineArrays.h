@@ -21,6 +21,11 @@ inline double* coordinatesOf(std::vector<OpenMM::Vec3>& vectors)
     return reinterpret_cast<double*>(vectors.data());
 }
 
+inline const double (*rowsOf(const std::array<OpenMM::Vec3, 3>& vectors))[3]
+{
+    return reinterpret_cast<const double(*)[3]>(vectors.data());
+}
+
 template <size_t N>
 const int (*rowsOf(const std::vector<std::array<int, N>>& arrays))[N]
 {

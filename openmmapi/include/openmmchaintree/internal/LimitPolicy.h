@@ -48,9 +48,9 @@ public:
      */
     void noStepIsUnderWay();
     /**
-     * Take notice that radii or tolerances have changed. Limits may grow at the next trial.
+     * Take notice that radii, tolerances or the periodic box have changed. Limits may grow at the next trial.
      */
-    void parametersWereChanged();
+    void overlapsWereChanged();
     /**
      * Raise the limits of pairs that clash in the scene's state.
      */

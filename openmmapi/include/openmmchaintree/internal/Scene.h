@@ -24,8 +24,8 @@ namespace ChainTreePlugin {
  * The caller checks indices of torsions, ball joints and molecules, and the values of proposals. The engine checks
  * everything else. A call that throws an exception does not change the state.
  *
- * Before setPositions() or setState(), only copyParameters(), getState(), clearLimits(), getNumLimits(), getLimits(),
- * reject(), and setTerms() and countChangeableTerms() of the energy may be called.
+ * Before setPositions() or setState(), only copyParameters(), setBox(), getState(), clearLimits(), getNumLimits(),
+ * getLimits(), reject(), and setTerms() and countChangeableTerms() of the energy may be called.
  */
 class OPENMM_EXPORT_CHAINTREE Scene {
 public:
@@ -48,9 +48,35 @@ public:
     // ---- State ----
 
     /**
+     * Get whether pairs count in all images of a periodic box.
+     */
+    bool isPeriodic() const
+    {
+        return definition.isPeriodic;
+    }
+    /**
+     * Set the box of a periodic scene that has no positions yet.
+     */
+    void setBox(const BoxVectors& box);
+    /**
+     * Get whether the box has exactly these vectors, or the scene is not periodic.
+     */
+    bool hasBox(const BoxVectors& box) const;
+    const BoxVectors& getBox() const
+    {
+        return definition.box;
+    }
+    /**
      * Make these positions the state. Drops the open trial, keeps limits.
      */
-    void setPositions(const std::vector<OpenMM::Vec3>& positions);
+    void setPositions(const std::vector<OpenMM::Vec3>& positions)
+    {
+        setPositions(positions, definition.box);
+    }
+    /**
+     * The same with another box, if the scene is periodic.
+     */
+    void setPositions(const std::vector<OpenMM::Vec3>& positions, const BoxVectors& box);
     /**
      * Get the positions of the state.
      */
@@ -60,12 +86,12 @@ public:
      */
     void getPositionsOf(const std::vector<int>& particles, std::vector<OpenMM::Vec3>& positions);
     /**
-     * Get the state as numbers, without limits and the open trial; empty before there are positions.
+     * Get the state as numbers, with the box, without limits and the open trial; empty before there are positions.
      */
     void getState(std::vector<double>& state);
     /**
-     * Set the state from numbers that getState() returned for the same LinkStructure, bit for bit. Drops the open trial
-     * and all limits.
+     * Set the state from numbers that getState() returned for the same LinkStructure, periodic or not, bit for bit.
+     * Drops the open trial and all limits.
      */
     void setState(const std::vector<double>& state);
     /**

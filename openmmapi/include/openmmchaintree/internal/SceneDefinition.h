@@ -11,6 +11,9 @@
 
 namespace ChainTreePlugin {
 
+/** The three vectors of a periodic box, in nm. */
+typedef std::array<OpenMM::Vec3, 3> BoxVectors;
+
 /**
  * The definition of a Scene in the arrays that the engine takes, and the links there of torsions, ball joints and
  * molecules.
@@ -41,6 +44,9 @@ public:
     Parameters parameters;
     /** Marks particles without a radius that are in leaves because the energy needs them; empty if there are none. */
     std::vector<uint8_t> listed;
+    /** Whether images in the box count. Without it, the box is not read. */
+    bool isPeriodic;
+    BoxVectors box;
     std::vector<int> torsionLinks, ballJointLinks, moleculeRoots;
 
 private:

@@ -85,11 +85,15 @@ public:
      */
     bool trialSpheresAreFree();
     /**
-     * Make another scene of the force as it was when the Context was created, without a state.
+     * Get numbers that two Contexts share if, and only if, a state of the one can be a state of the other.
+     */
+    std::vector<int> describeStructure() const;
+    /**
+     * Make another scene of the force as it was when the Context was created, in the same box, without positions.
      */
     std::unique_ptr<Scene> createScene() const
     {
-        return std::unique_ptr<Scene>(new Scene(*original, *structure));
+        return createScene(*original);
     }
     /**
      * Give the scene of trials the terms of their energy.
@@ -192,6 +196,7 @@ public:
 private:
     friend class TrialSession;
     OpenMM::Kernel createKernel(OpenMM::ContextImpl& context) const;
+    std::unique_ptr<Scene> createScene(const StericExclusionForce& spheres) const;
     void updatePositions(OpenMM::ContextImpl& context);
     void adoptPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
     bool propose(OpenMM::ContextImpl& context, const Proposal& proposal);
@@ -227,7 +232,8 @@ private:
     const void* energyTermsOwner;
     LimitPolicy limits;
     std::unique_ptr<VelocityTurner> velocities;
-    /** The Context's positions when they and the scene's state were last known to agree; empty before. */
+    /** The Context's positions when they and the scene's state were last known to agree; empty before. The box that the
+     *  Context had then is that of the newest scene. */
     std::vector<OpenMM::Vec3> agreedPositions;
     std::vector<OpenMM::Vec3> buffer;
     /** Whether the open trial was found to be free of clashes. */
