@@ -673,10 +673,11 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
     def __repr__(self):
         tolerance = self.getOverlapTolerance().value_in_unit(openmm.unit.nanometer)
         ballJoints = f"{self.getNumBallJoints():,} ball joints, " if self.getNumBallJoints() > 0 else ""
+        periodic = ", periodic" if self.usesPeriodicBoundaryConditions() else ""
         return (
             f"<StericExclusionForce: {self.getNumParticles():,} particles, {self.getNumBonds():,} bonds, "
             f"{self.getNumTorsions():,} torsions, {ballJoints}{self.getNumExclusions():,} exclusions, "
-            f"overlapTolerance {tolerance:g} nm>"
+            f"overlapTolerance {tolerance:g} nm{periodic}>"
         )
 %}
 }

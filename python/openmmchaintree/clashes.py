@@ -4,6 +4,7 @@ import os
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
+import openmm
 from openmm import unit
 
 from .bonds import BondGraph
@@ -11,7 +12,7 @@ from .bondsearch import LONGEST_BOND
 from .contexts import contextOf
 from .errors import InputError
 from .imageclashes import noteOnImages
-from .images import leastWidth, makeWhole
+from .images import engineBox, leastWidth, makeWhole, vectorsOf
 from .naming import AtomName, nameAtom
 from .notes import Note, found, warnOf
 from .radii import defaultRadii, describeSets
@@ -47,15 +48,21 @@ class FrameClashes(NamedTuple):
 
 
 def findClashes(
-    structure: Path, trajectory: Path | None = None, radii: str | None = None, water: bool = False, ions: bool = False
+    structure: Path,
+    trajectory: Path | None = None,
+    radii: str | None = None,
+    water: bool = False,
+    ions: bool = False,
+    periodic: bool = False,
 ) -> list[FrameClashes]:
     """Find the clashes of all models of a structure, or of all frames of a trajectory.
 
     A clash is defined by the `StericExclusionForce` that `createStericExclusionForce` makes for the structure: atoms
     more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a hydrogen bond to the
-    other. Molecules split over the periodic box are made whole along their bonds. Clashes with periodic images do not
-    count, but a warning lists those of the first frame. Bonds follow from the structure and its chemistry, never from a
-    frame of the trajectory. Atoms of elements without a known radius are ignored, with a warning.
+    other. Molecules split over the periodic box are made whole along their bonds. Clashes with periodic images count
+    only with `periodic`; otherwise a warning lists those of the first frame. Bonds follow from the structure and its
+    chemistry, never from a frame of the trajectory. Atoms of elements without a known radius are ignored, with a
+    warning.
 
     Parameters
     ----------
@@ -69,6 +76,9 @@ def findClashes(
         others.
     water, ions : bool
         include water, and ions that nothing binds
+    periodic : bool
+        whether atoms count in all images of the periodic box, that of each frame or else of the structure. Images are
+        those by vectors of the box; copies by the symmetry of a crystal's space group are not made.
 
     Returns
     -------
@@ -78,13 +88,13 @@ def findClashes(
     Raises
     ------
     InputError
-        a ValueError, if a file cannot be read or is damaged, or a molecule is split and there is no box. Its attribute
-        `frames` holds the results of earlier frames.
+        a ValueError, if a file cannot be read or is damaged, a molecule is split and there is no box, or images count
+        and there is no box, or one too narrow. Its attribute `frames` holds the results of earlier frames.
     """
     # It reads files, which needs more packages than the other modules beside this one.
     from .structures.clashsearch import ClashSearch
 
-    search = ClashSearch(structure, trajectory, radii, water, ions)
+    search = ClashSearch(structure, trajectory, radii, water, ions, periodic)
     frames: list[FrameClashes] = []
     try:
         frames.extend(search)
@@ -115,8 +125,10 @@ class ClashFinder:
         gaps, and atoms of unknown radius
     """
 
-    def __init__(self, topology, positions, source, radii=None, water=False, ions=False):
+    def __init__(self, topology, positions, source, radii=None, water=False, ions=False, periodic=False):
         """Choose the atoms, and make their force; positions are (n, 3) in nm, source names the Topology in messages.
+
+        periodic : whether pairs count in all images of the boxes given to `find`
 
         Raises
         ------
@@ -135,6 +147,8 @@ class ClashFinder:
         self.notes = [*solute.notes, *found([self._findUnknownRadii()])]
         if self.checkedCount == 0:
             raise InputError(f"{source}: there is no atom with a known radius")
+        self.force.setUsesPeriodicBoundaryConditions(periodic)
+        self._isPeriodic = periodic
         self._context = contextOf(self.force)
 
     def _findUnknownRadii(self):
@@ -181,18 +195,37 @@ class ClashFinder:
         return positions
 
     def noteImages(self, positions, box):
-        """Return a Note on clashes across a box, (3, 3) in nm or None; positions as for `find`, of whole molecules."""
+        """Return a Note on clashes that do not count, across a box, (3, 3) in nm or None.
+
+        positions : as for `find`, of whole molecules
+        """
+        if self._isPeriodic:
+            return noteOnImages(self.force, positions, None, ())
         names = [self.names[atom] for atom in self.atoms]
         return noteOnImages(self.force, positions.take(self.atoms, axis=0), box, names)
 
-    def find(self, positions):
-        """Return the list of Clash at positions of all atoms of the Topology, a float64 array of shape (n, 3) in nm."""
-        return nameClashes(*self.findOverlaps(positions), self.names)
+    def find(self, positions, box=None, source="the positions"):
+        """Return the list of Clash at positions of all atoms of the Topology.
 
-    def findOverlaps(self, positions):
-        """Return the pairs that clash, an (n, 2) int32 array, and their overlaps; positions as for `find`."""
+        positions : (n, 3) float64 array, nm, of whole molecules; box : (3, 3) array, nm, or None, read only where
+        images count; source names the positions in messages
+
+        Raises
+        ------
+        InputError
+            if images count, and there is no box or one too narrow
+        """
+        return nameClashes(*self.findOverlaps(positions, box, source), self.names)
+
+    def findOverlaps(self, positions, box=None, source="the positions"):
+        """Return the pairs that clash, an (n, 2) int32 array, and their overlaps; arguments as for `find`."""
+        if self._isPeriodic:
+            self._context.setPeriodicBoxVectors(*vectorsOf(engineBox(box, source)))
         self._context.setPositions(positions.take(self.atoms, axis=0))
-        pairs, overlaps = self.force.getClashes(self._context)
+        try:
+            pairs, overlaps = self.force.getClashes(self._context)
+        except openmm.OpenMMException as error:  # a box that is too narrow
+            raise InputError(f"{source}: {str(error).removeprefix('StericExclusionForce: ')}") from error
         return self.atoms[pairs].astype(np.int32), overlaps
 
 

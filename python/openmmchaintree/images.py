@@ -1,12 +1,19 @@
 """Periodic boxes, and molecules that are split over them, made whole along their bonds."""
 
+from itertools import product
+
 import numpy as np
+import openmm
 from openmm import unit
 
+from .errors import InputError
 from .graphs import connectedParts, growTrees, neighborLists
 
 # A narrower box (nm) means that there is none: some programs write 1 Å, or zeros.
 _LEAST_WIDTH = 0.5
+
+# Components of box vectors (nm) that are only rounding.
+_ROUNDING = 1e-6
 
 
 def isBox(vectors):
@@ -55,6 +62,48 @@ def reducedBox(box):
     c = c - a * np.rint(c[0] / a[0])
     b = b - a * np.rint(b[0] / a[0])
     return np.array([a, b, c])
+
+
+def engineBox(box, source):
+    """Return the vectors of a box, (3, 3) in nm or None, in OpenMM's reduced form.
+
+    Raises
+    ------
+    InputError
+        if there is no box, or its first vectors are not along x and in the plane of x and y; source names the input
+    """
+    if box is None or not isBox(box):
+        raise InputError(f"{source}: there is no periodic box, which periodic images need")
+    if np.abs(np.triu(box, 1)).max() > _ROUNDING or not (np.diag(box) > 0).all():
+        raise InputError(f"{source}: the vectors of the periodic box must be along x, in the xy plane, and above it")
+    return reducedBox(np.tril(np.asarray(box, dtype=np.float64)))
+
+
+def vectorsOf(box):
+    """Return a box as the three vectors that OpenMM takes; box : (3, 3) array, nm, a vector a row."""
+    return [openmm.Vec3(*vector) for vector in np.asarray(box).tolist()]
+
+
+def pairsOfImages(positions, box, reach, nearPairs):
+    """Return the pairs of points of which some images are within a reach, an (m, 2) int array without repeats.
+
+    positions : (n, 3) array, nm; box : (3, 3) array, nm, a vector a row, at least twice as wide as the reach (nm)
+    nearPairs : a function of points and a reach that returns such pairs without images
+    """
+    reach, inverse = max(reach, 0), np.linalg.inv(box)
+    margins = reach * np.linalg.norm(inverse, axis=0)
+    fractions = positions @ inverse
+    fractions -= np.floor(fractions)
+    points, origins = [], []
+    for turn in sorted(product((-1, 0, 1), repeat=3), key=np.any):  # the points themselves come first
+        shifted = fractions + turn
+        inside = np.flatnonzero(((-margins <= shifted) & (shifted <= 1 + margins)).all(axis=1))
+        points.append(shifted[inside] @ box)
+        origins.append(inside)
+    origins = np.concatenate(origins)
+    pairs = nearPairs(np.concatenate(points), reach)
+    pairs = origins[pairs[(pairs < len(positions)).any(axis=1)]]
+    return np.unique(np.sort(pairs[pairs[:, 0] != pairs[:, 1]], axis=1), axis=0)
 
 
 def makeWhole(positions, bonds, box):

@@ -11,7 +11,10 @@ from .clashes import Clash, ClashFinder, Path, nameClashes
 from .naming import nameAtom
 from .notes import warnOf
 from .openmmchaintree import StericExclusionForce
+from .systemreading import isPeriodic
 from .units import Number, inUnit
+
+_TOPOLOGY = "the simulation's Topology"  # in messages
 
 _COLUMNS = ("step", "time_ps", "clashes", "worst_overlap_nm", "atom1", "atom2")
 
@@ -33,7 +36,7 @@ class ClashReporter:
 
     If the System has a StericExclusionForce, it defines what a clash is. Otherwise the reporter makes one by
     `createStericExclusionForce`, for everything except water and ions that nothing binds, and leaves the System
-    unchanged. Periodic images are ignored.
+    unchanged; periodic images then count if the System is periodic, in the box of each report.
 
     The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.
     """
@@ -136,6 +139,7 @@ class _Look:
             return nameClashes(*self._force.getClashes(simulation.context), self._names)
         positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
         if self._finder is None:
-            self._finder = ClashFinder(simulation.topology, positions, "the simulation's Topology")
+            periodic = isPeriodic(simulation.system)
+            self._finder = ClashFinder(simulation.topology, positions, _TOPOLOGY, periodic=periodic)
             warnOf(self._finder.notes, stacklevel=2)
-        return self._finder.find(positions)
+        return self._finder.find(positions, state.getPeriodicBoxVectors(asNumpy=True) / unit.nanometer, _TOPOLOGY)

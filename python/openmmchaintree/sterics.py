@@ -14,7 +14,7 @@ from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
 from .selection import AtomSelection, selectAtoms
-from .systemreading import bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies
+from .systemreading import bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies, isPeriodic
 from .torsions import (
     BETWEEN_FIXED,
     DISULFIDE_RING,
@@ -118,7 +118,8 @@ def createStericExclusionForce(
         Atoms without bonds in the Topology, such as beads or Drude particles, get the bonds of its HarmonicBondForce,
         constraints and DrudeForce, or else of its CustomBondForce. If it has a force between all pairs, such as a
         NonbondedForce or CustomNonbondedForce, all bonds outside rings and all rings of disulfides turn by default, and
-        a warning lists bonds outside rings that stay rigid.
+        a warning lists bonds outside rings that stay rigid. If one of its Forces uses periodic boundary conditions, the
+        force does, too (`StericExclusionForce.setUsesPeriodicBoundaryConditions`); without a System it does not.
 
     Returns
     -------
@@ -150,6 +151,7 @@ def createStericExclusionForce(
         torsions = KINDS_WITH_ENERGIES if hasEnergies else ("phi", "psi", "chi")
     search = _torsionsOf(graph, topology, torsions, held)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
+    force.setUsesPeriodicBoundaryConditions(system is not None and isPeriodic(system))
     joints = _ballJointsOf(graph, search.torsions, ballJoints)
     for atom1, atom2 in joints:
         force.addBallJoint(atom1, atom2)

@@ -1,4 +1,4 @@
-"""Properties of a model that its System holds: pair energies, fixed particles, bonds that the Topology lacks."""
+"""Properties of a model that its System holds: pair energies, images, fixed particles, bonds the Topology lacks."""
 
 import numpy as np
 import openmm
@@ -18,6 +18,18 @@ def checkParticles(topology, system):
 def hasPairEnergies(system):
     """Whether a Force of a System gives pairs of particles an energy, as a force field does."""
     return any(word in type(force).__name__ for force in system.getForces() for word in _PAIR_FORCES)
+
+
+def isPeriodic(system):
+    """Whether a Force of a System uses periodic boundary conditions."""
+    return any(map(_usesImages, system.getForces()))
+
+
+def _usesImages(force):
+    try:
+        return force.usesPeriodicBoundaryConditions()
+    except openmm.OpenMMException:  # not every Force can tell
+        return False
 
 
 def fixedParticles(system):

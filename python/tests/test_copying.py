@@ -219,6 +219,6 @@ for thing in (force, integrator, system):
 
 
 def test_unknownVersion():
-    xml = toXml(makeForce()).replace('version="1"', 'version="3"')
-    with pytest.raises(openmm.OpenMMException, match="reads only versions 1 to 2"):
+    xml = toXml(makeForce()).replace('version="1"', 'version="4"')
+    with pytest.raises(openmm.OpenMMException, match="reads only versions 1 to 3"):
         openmm.XmlSerializer.deserialize(xml)

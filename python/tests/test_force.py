@@ -249,4 +249,4 @@ def test_noWarningWithoutPeriodicForces(method):
 def test_docstringsTellUnitsAndShapes():
     assert "in nm" in StericExclusionForce.addParticle.__doc__
     assert "shape (n, 2)" in StericExclusionForce.getNeighborPairs.__doc__
-    assert "Periodic boundary conditions are not supported" in StericExclusionForce.__doc__
+    assert "setUsesPeriodicBoundaryConditions(true), every pair" in StericExclusionForce.__doc__

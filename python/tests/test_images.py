@@ -178,7 +178,7 @@ def test_clashesWithImagesAreTold(tmp_path, turns):
     expected, notes = notesOnImages(twoGlycines(tmp_path, near, box))
     assert expected > 0 and notes == []
     count, (note,) = notesOnImages(twoGlycines(tmp_path, near + box * turns, box))
-    assert count == 0 and note.kind == "clashes with periodic images, which do not count"
+    assert count == 0 and note.kind == "clashes with periodic images, which do not count (see --periodic)"
     assert len(note.items) == expected and all(item.startswith("A:GLY") and " – B:GLY" in item for item in note.items)
     assert notesOnImages(twoGlycines(tmp_path, near + box * turns, box + 20)) == (0, [])
     assert notesOnImages(twoGlycines(tmp_path, near + box * turns, (1, 1, 1))) == (0, [])
@@ -187,7 +187,7 @@ def test_clashesWithImagesAreTold(tmp_path, turns):
 def test_sampleTellsOfImages(tmp_path):
     structure = readStructure(twoGlycines(tmp_path, (0.3, 0.2, 42.4), (40, 40, 40)))
     notes = [note for note in Sampling(structure, 1).notes if "images" in note.kind]
-    assert [note.kind for note in notes] == ["clashes with periodic images, which do not count"]
+    assert [note.kind for note in notes] == ["clashes with periodic images, which do not count (see --periodic)"]
 
 
 def test_bondsAcrossTheBoxAreNoClashes(tmp_path):
@@ -209,7 +209,7 @@ def test_firstFrameOfATrajectory(tmp_path):
     frames[0] = frames[0] + np.where(np.arange(16) < 8, 0, 2)[:, np.newaxis] * [0, 0, 1]
     near = writeDCD(tmp_path / "near", topology, frames)
     (note,) = notesOnImages(path, near)[1]
-    assert note.kind == "clashes with periodic images, which do not count, in frame 0 (from 0)"
+    assert note.kind == "clashes with periodic images, which do not count (see --periodic), in frame 0 (from 0)"
 
 
 def test_axesThatCRYST1DoesNotTell():

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..images import nearestImage, pairsOfImages
 from ..plainspheres import PlainSpheres
 
 # Up to this number of particles, comparing all pairs takes less time than importing SciPy.
@@ -29,6 +30,11 @@ class Overlaps(NamedTuple):
 
 class HardSpheres(PlainSpheres):
     """The particles of a StericExclusionForce, and the overlaps of all their pairs."""
+
+    def __init__(self, force, box=None):
+        """Read a force; with a periodic box, a (3, 3) array in nm with a vector a row, pairs count in all images."""
+        super().__init__(force)
+        self._box = box
 
     def overlaps(self, positions):
         """Return the Overlaps beyond tolerance at positions, a float64 array of shape (n, 3) in nm.
@@ -53,11 +59,17 @@ class HardSpheres(PlainSpheres):
         """Return the pairs closer than the largest spheres, which may overlap; the lower index comes first."""
         # A margin for the tree's rounding of distances.
         reach = self.reach + 1e-9 * (abs(self.reach) + np.abs(positions).max(initial=0))
-        return self.modelled[_nearPairs(positions[self.modelled], max(reach, 0))]
+        points = positions[self.modelled]
+        if self._box is None:
+            return self.modelled[_nearPairs(points, max(reach, 0))]
+        return self.modelled[pairsOfImages(points, self._box, reach, _nearPairs)]
 
     def _overlaps(self, positions, pairs):
         first, second = pairs.T
-        squares = sum((positions[first, k] - positions[second, k]) ** 2 for k in range(3))
+        vectors = positions[first] - positions[second]
+        if self._box is not None:
+            vectors = nearestImage(vectors, self._box)
+        squares = sum(vectors[:, k] ** 2 for k in range(3))
         return self.radii[first] + self.radii[second] - np.sqrt(squares)
 
 

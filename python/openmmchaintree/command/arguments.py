@@ -95,6 +95,15 @@ def addStructure(parser):
     )
 
 
+def addPeriodic(parser, whose):
+    """Add the option that lets periodic images count; whose : in words, where the box is read."""
+    parser.add_argument(
+        "--periodic",
+        action="store_true",
+        help=f"let atoms count in all images of the periodic box {whose} (default: images do not count)",
+    )
+
+
 def addScheduler(parser, what):
     """Add the option for a scheduler whose workers do a job, described by `what`."""
     parser.add_argument(

@@ -142,9 +142,13 @@ class EnergyModel:
         raise InputError(describeMisfits(self._forceField, self.files, topology, error, *self._done)) from error
 
     def _createSystem(self, topology, cutoff):
+        method = openmm.app.NoCutoff
+        if cutoff is not None:
+            isPeriodic = topology.getPeriodicBoxVectors() is not None
+            method = openmm.app.CutoffPeriodic if isPeriodic else openmm.app.CutoffNonPeriodic
         return self._forceField.createSystem(
             nameByTemplates(self._forceField, topology),
-            nonbondedMethod=openmm.app.NoCutoff if cutoff is None else openmm.app.CutoffNonPeriodic,
+            nonbondedMethod=method,
             nonbondedCutoff=(1.0 if cutoff is None else cutoff) * unit.nanometer,
             rigidWater=False,
             removeCMMotion=False,

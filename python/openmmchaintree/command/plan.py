@@ -50,6 +50,7 @@ class Choice(NamedTuple):
         disulfides are not cut, else none
     hasEnergies : bool, whether energies are sampled
     unknownRadius : float or None, nm, for atoms of elements without a known radius
+    periodic : bool, whether pairs count in all images of the structure's box
     """
 
     kinds: tuple[str, ...] | None = None
@@ -62,6 +63,7 @@ class Choice(NamedTuple):
     close: tuple[str, ...] | None = None
     hasEnergies: bool = False
     unknownRadius: float | None = None
+    periodic: bool = False
 
     def withDefaults(self):
         """Return a Choice with defaults in place of None."""

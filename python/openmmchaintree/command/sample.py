@@ -9,9 +9,10 @@ import openmm
 
 from ..bonds import DISULFIDES, LOOPS
 from ..errors import InputError
+from ..images import engineBox
 from ..structures.structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
-from .arguments import addStructure, frameCount, listOf, notNegative, numberIn, positive, seed
+from .arguments import addPeriodic, addStructure, frameCount, listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
 from .energymodel import EnergyModel
@@ -97,6 +98,7 @@ def addArguments(sample):
         help="write the contents of the table, and all tolerated pairs, as JSON (-: to standard output; the report "
         "then goes to standard error)",
     )
+    addPeriodic(sample, "of the structure; a force field then needs --nonbonded-cutoff")
     addOverwrite(sample)
     addNotes(sample)
     addConfig(sample)
@@ -178,6 +180,10 @@ def _run(options):
         saved.checkPath(name, getattr(options, name))
     with collectionPaused():
         structure = readStructure(options.structure, options.model)
+    if options.periodic:
+        if energyModel is not None and energyModel.cutoff is None:
+            raise InputError("--periodic needs --nonbonded-cutoff in a force field")
+        structure = structure._replace(box=engineBox(structure.box, options.structure or structure.name))
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
     console = ReportConsole(outputs.values())
     choice = Choice(
@@ -191,6 +197,7 @@ def _run(options):
         None if options.close is None else tuple(what for what in options.close if what != _NONE),
         energyModel is not None,
         options.unknown_radius,
+        options.periodic,
     )
     try:
         with collectionPaused():

@@ -10,6 +10,7 @@ from openmm import unit
 from ..defaultmoves import addMovesOfPlan
 from ..errors import InputError, UnknownRadiusError
 from ..imageclashes import noteOnImages
+from ..images import vectorsOf
 from ..moveadder import NamedMove
 from ..movescene import MoveScene
 from ..naming import nameAtom
@@ -112,9 +113,14 @@ class Sampling:
             self.force = makeForce(self.plan.graph, self.torsions, unknownRadius=choice.unknownRadius)
         except UnknownRadiusError as error:
             raise InputError(f"{error.note}: --unknown-radius gives them one") from error
-        names = [nameAtom(atom) for atom in structure.topology.atoms()]
-        images = noteOnImages(self.force, structure.positions, structure.box, names)
-        self.notes = [*self.plan.notes, *found([images])]
+        self.notes = list(self.plan.notes)
+        box = structure.box if choice.periodic else None
+        if box is None:
+            names = [nameAtom(atom) for atom in structure.topology.atoms()]
+            self.notes += found([noteOnImages(self.force, structure.positions, structure.box, names)])
+        else:
+            self.force.setUsesPeriodicBoundaryConditions(True)
+            structure.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)
         self.fixedAtoms = int(self.plan.fixed.sum())
         elements = [atom.element for atom in structure.topology.atoms()]
         masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements)}
@@ -122,7 +128,7 @@ class Sampling:
         temperature = 300.0 if energyModel is None else energyModel.temperature
         self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
-        system = self._makeSystem(energyModel)
+        system = self._makeSystem(energyModel, box)
         if energyModel is None:
             self.moves = self._addMovesOfSpheres(system)
             if not self.moves:
@@ -149,7 +155,7 @@ class Sampling:
         self._phiPsiParticles = _phiPsiParticles(self.torsions)
         shown = [] if len(self._phiPsiParticles) else [torsion.particles for torsion in self.torsions]
         self._torsionParticles = np.array(shown, dtype=int).reshape(-1, 4)
-        self._spheres = allpairs.HardSpheres(self.force)
+        self._spheres = allpairs.HardSpheres(self.force, box)
         self.startOverlaps = self._spheres.overlaps(structure.positions)
         self._bonds = BondLengths(self.force, structure.positions)
         self.frames = []
@@ -157,7 +163,7 @@ class Sampling:
         self.seconds = 0.0
         self._keepFrame(structure.positions)
 
-    def _makeSystem(self, energyModel):
+    def _makeSystem(self, energyModel, box):
         if energyModel is None:
             system = openmm.System()
             for mass in self._masses.tolist():
@@ -168,6 +174,8 @@ class Sampling:
         for particle in np.flatnonzero(self.plan.fixed).tolist():
             system.setParticleMass(particle, 0)
         system.addForce(self.force)
+        if box is not None:
+            system.setDefaultPeriodicBoxVectors(*vectorsOf(box))
         return system
 
     def _addMovesOfSpheres(self, system):

@@ -32,7 +32,7 @@ _CHUNKS_AHEAD = 3
 class SearchedFiles(NamedTuple):
     """The input and options of a ClashSearch; sizes show whether another machine has other files.
 
-    structure, trajectory : str, or None; radii, water, ions : as for a ClashSearch; sizes : tuple of int
+    structure, trajectory : str, or None; radii, water, ions, periodic : as for a ClashSearch; sizes : tuple of int
     """
 
     structure: str
@@ -40,6 +40,7 @@ class SearchedFiles(NamedTuple):
     radii: str | None
     water: bool
     ions: bool
+    periodic: bool
     sizes: tuple[int, ...]
 
 
@@ -59,12 +60,12 @@ class ChunkOverlaps(NamedTuple):
     imageClashes: list[str]
 
 
-def describeFiles(structure, trajectory, radii, water, ions):
+def describeFiles(structure, trajectory, radii, water, ions, periodic=False):
     """Return the SearchedFiles of a ClashSearch with these arguments; OSError: a file is missing."""
     given = (villinPath() if structure is None else structure, trajectory)
     paths = [os.path.abspath(path) for path in given if path is not None]
     sizes = tuple(os.path.getsize(path) for path in paths)
-    return SearchedFiles(paths[0], paths[1] if len(paths) > 1 else None, radii, water, ions, sizes)
+    return SearchedFiles(paths[0], paths[1] if len(paths) > 1 else None, radii, water, ions, periodic, sizes)
 
 
 _ofThread = local()
@@ -116,7 +117,7 @@ def _open(files):
             raise ClusterError(f"{path}: cannot be read by a worker ({error.strerror})") from error
         if found != size:
             raise ClusterError(f"{path}: a worker finds another file there, of {found:,} bytes, not {size:,}")
-    return ClashSearch(files.structure, files.trajectory, files.radii, files.water, files.ions)
+    return ClashSearch(*files[:-1])
 
 
 def _close():

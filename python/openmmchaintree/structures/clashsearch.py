@@ -45,14 +45,14 @@ class ClashSearch:
         clashes with periodic images in the first frame, after it was searched
     """
 
-    def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False):
+    def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False, periodic=False):
         """Read the structure, or the villin headpiece of OpenMM's package; arguments are those of `findClashes`."""
         self.structure = villinPath() if structure is None else structure
         self.trajectory = trajectory
         # The reader of the trajectory starts while the structure is read.
         self._trajectory = None if trajectory is None else Trajectory(trajectory)
         try:
-            self._readStructure(radii, water, ions)
+            self._readStructure(radii, water, ions, periodic)
             if trajectory is not None:
                 self._readHeader()
         except BaseException:
@@ -61,12 +61,12 @@ class ClashSearch:
         self.madeWhole = []
         self.imageClashes = []
 
-    def _readStructure(self, radii, water, ions):
+    def _readStructure(self, radii, water, ions, periodic):
         self._models = readModels(self.structure)
         topology, positions = self._models.topology, self._models.positions[0]
         self._box = boxOf(topology)
         self._word = "model" if self.trajectory is None else "frame"
-        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions)
+        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions, periodic)
         self.notes = [*self._models.notes, *self.finder.notes]
         self.frameCount = len(self._models.positions)
 
@@ -99,7 +99,7 @@ class ClashSearch:
                 self.madeWhole.append(number)
             if number == 0:
                 self.imageClashes = self.finder.noteImages(whole, box).items
-            pairs, overlaps = self.finder.findOverlaps(whole)
+            pairs, overlaps = self.finder.findOverlaps(whole, self._box if box is None else box, source)
             yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
 
     def noteBoxes(self):

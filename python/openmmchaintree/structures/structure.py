@@ -8,7 +8,7 @@ import openmm.app
 from openmm import unit
 
 from ..errors import InputError
-from ..images import boxOf, reducedBox
+from ..images import boxOf, reducedBox, vectorsOf
 from ..naming import describeAtom, nameAtom
 from ..notes import Note
 from ..solute import selectSolute, subset
@@ -44,7 +44,7 @@ class Structure(NamedTuple):
 
     name : str, for output files; topology : openmm.app.Topology, with all bonds; positions : (n, 3) float64 array, nm;
     alternates : list of str, for each atom the label of its conformer; notes : list of Note, on the file
-    box : (3, 3) float64 array, nm, a vector a row, or None: the periodic box of the file, only for the note on images
+    box : (3, 3) float64 array, nm, a vector a row, or None: the periodic box of the file
     """
 
     name: str
@@ -110,7 +110,7 @@ def readModels(path, only=None):
         made.topology.addBond(atoms[atom1], atoms[atom2])
     box = _boxOf(structure.cell)
     if box is not None:
-        made.topology.setPeriodicBoxVectors([openmm.Vec3(*vector) for vector in box] * unit.nanometer)
+        made.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)
     positions = []
     for number in range(len(structure)) if only is None else [only]:
         source = path if number == 0 else f"{path}: model {number} (from 0)"

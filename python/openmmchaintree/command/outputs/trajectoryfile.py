@@ -53,7 +53,8 @@ class TrajectoryFile(GrowingFile):
         self._expectedFrames = expectedFrames
         self.interval = interval
         self._step = trialsOfAStep(interval, expectedFrames)
-        self._frameSize = 3 * (4 * len(positions) + 8)
+        self._cell = _unitCell(topology)
+        self._frameSize = len(self._cell) + 3 * (4 * len(positions) + 8)
         header = io.BytesIO()
         openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
         header = header.getvalue()
@@ -84,7 +85,7 @@ class TrajectoryFile(GrowingFile):
         axes["values"] = 10 * positions.T
         size = self.size
         try:
-            self.append(axes.tobytes())
+            self.append(self._cell + axes.tobytes())
             self._setCounts(self.frames + 1)
         except OutputError as error:
             self.size = size
@@ -116,6 +117,16 @@ class TrajectoryFile(GrowingFile):
         """Write the number of frames into the header."""
         self.replace(_FRAME_COUNT, struct.pack("<i", frames))
         self.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
+
+
+def _unitCell(topology):
+    """Return the record of the periodic box of a Topology in a frame; nothing without a box."""
+    vectors = topology.getPeriodicBoxVectors()
+    if vectors is None:
+        return b""
+    a, b, c, alpha, beta, gamma = openmm.app.internal.unitcell.computeLengthsAndAngles(vectors)
+    cosines = np.cos([gamma, beta, alpha])
+    return struct.pack("<i6di", 48, 10 * a, cosines[0], 10 * b, cosines[1], cosines[2], 10 * c, 48)
 
 
 def _withoutCounts(header):
