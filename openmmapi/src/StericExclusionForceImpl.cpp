@@ -312,6 +312,8 @@ void StericExclusionForceImpl::setTrialScene(Scene& wanted)
 
 bool StericExclusionForceImpl::trialSpheresAreFree()
 {
+    if (trialScene == scene)
+        return false;
     trialSpheresWereFree = trialSpheresWereFree || !trialScene->hasClash();
     return trialSpheresWereFree;
 }

@@ -242,6 +242,16 @@ static void testEarlyRefusal(Platform& platform)
     CoreRun other(platform, chain);
     other.integrator.step(20);
     ASSERT_EQUAL(0, countClashed(other.integrator));
+
+    // Nor by spheres of the force that are free at the start.
+
+    for (int i = 0; i < LENGTH; i++)
+        chain.force->setParticleParameters(i, 0.45);
+    CoreRun free(platform, chain);
+    ASSERT(!chain.force->hasClash(*free.context));
+    free.integrator.step(20);
+    ASSERT_EQUAL(0, countClashed(free.integrator));
+    ASSERT(chain.force->hasClash(*free.context));
 }
 
 static void testStartWithinCores(Platform& platform)

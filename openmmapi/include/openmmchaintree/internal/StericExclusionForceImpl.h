@@ -81,7 +81,7 @@ public:
      */
     void setTrialSpheres(const CoreSpheres& spheres);
     /**
-     * Get whether no spheres of setTrialSpheres() overlap. Until then, they cannot test trials.
+     * Get whether there are spheres of setTrialSpheres() and none overlap. Until then, they cannot test trials.
      */
     bool trialSpheresAreFree();
     /**
