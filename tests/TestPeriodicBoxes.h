@@ -649,6 +649,36 @@ void testBoxBetweenSteps(Platform& platform)
     ASSERT_EQUAL(1, sampler->getNumToleratedClashes(context));
 }
 
+/**
+ * Where spheres count for nothing, trials whose images overlap are refused early only if the energy has images, too.
+ */
+void testEarlyRefusal(Platform& platform)
+{
+    for (bool periodic : {false, true}) {
+        TwoBeads beads;
+        NonbondedForce* nonbonded = new NonbondedForce();
+        beads.system.addForce(nonbonded);
+        if (periodic)
+            nonbonded->setNonbondedMethod(NonbondedForce::CutoffPeriodic);
+        nonbonded->setCutoffDistance(1.4);
+        for (int i = 0; i < 2; i++)
+            nonbonded->addParticle(0, 0.8, 0.5);
+        TorsionMonteCarloIntegrator integrator(300);
+        integrator.setRandomNumberSeed(2);
+        integrator.setNativeEnergies(false);
+        integrator.addRigidBodyMove(1, 1.5, 1);
+        integrator.setStericMode(TorsionMonteCarloIntegrator::Off);
+        Context context(beads.system, integrator, platform);
+        context.setPositions({Vec3(0, 0, 0), Vec3(100.5, 1.5, 0)}); // far without images
+        integrator.setTrialsPerStep(40);
+        integrator.step(5);
+        long long attempted, clashed, rejected, accepted;
+        integrator.getMoveStatistics(0, attempted, clashed, rejected, accepted);
+        ASSERT_EQUAL(periodic, clashed > 0);
+        ASSERT(periodic || accepted == attempted);
+    }
+}
+
 void testPeriodicBoxes(Platform& platform)
 {
     testClashAcrossFaces(platform);
@@ -663,4 +693,5 @@ void testPeriodicBoxes(Platform& platform)
     testWrappedStates(platform);
     testOtherForces(platform);
     testBoxBetweenSteps(platform);
+    testEarlyRefusal(platform);
 }

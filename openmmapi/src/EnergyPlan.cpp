@@ -171,6 +171,13 @@ CoreSpheres EnergyPlan::findCoreSpheres(int groups, double energy) const
     if (index < 0 || !terms.pairSets.empty() || !terms.valueEnergies.empty())
         return CoreSpheres();
 
+    // Without images in the energy, images may overlap.
+
+    for (size_t i = 0; i < entries.size(); i++)
+        if (isSteric[i] && forces[i]->usesPeriodicBoundaryConditions() &&
+            !copies[index]->usesPeriodicBoundaryConditions())
+            return CoreSpheres();
+
     // The cutoff and periodic images do not matter at such short distances.
 
     unique_ptr<Force> copy(NativeForceKind::find(*copies[index])->copy(*copies[index]));
