@@ -189,6 +189,9 @@ ctStatus ctSetPositions(ctChainTree* tree, const double* positions);
  * opposite faces, than twice the largest distance at which two particles may clash; no memory. */
 ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]);
 
+/* True if the scene is in a periodic box; writes its vectors then. */
+bool ctGetBox(const ctChainTree* tree, double box[3][3]);
+
 /* Writes the 3 * particleCount coordinates (nm) of the state. Particles of a molecule in its reference state keep their
  * reference bits, fixed particles always. O(N). */
 void ctGetPositions(ctChainTree* tree, double* positions);
@@ -323,11 +326,17 @@ typedef struct ctPiece {
   int body;
 } ctPiece;
 
-/* A pair of leaves a <= b of which some particles move relative to each other in the open trial. */
+/* In a periodic box a molecule may reach over this many of each box vector. */
+#define CT_MOST_IMAGE 2047
+
+/* A pair of leaves a <= b of which some particles move relative to each other in the open trial. In a periodic box it
+ * is a pair of one image of a with b; of a leaf with itself only one of two opposite images is listed. */
 typedef struct ctLeafPair {
   int a;
   int b;
-  float squaredGap; /* of boxes around their particles: the least before the trial and in it, nm^2; 0 if a == b */
+  float squaredGap; /* of boxes around their particles: the least before the trial and in it, nm^2; 0 for a leaf with
+                       itself, unless it is an image */
+  int image[3];     /* the numbers of box vectors by which a is shifted */
 } ctLeafPair;
 
 /* The number of leaves, and the particle in each of their CT_LEAF_WIDTH slots; CT_NULL: none. */
@@ -335,8 +344,9 @@ int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
 /* The positions of all leaves in the state, those of ctGetPositions up to rounding and, for merged bodies, CT_SIGMA /
- * 2; up to rounding alone after ctRenew. The array belongs to the scene and is up to date until the state changes.
- * O(leaves that have moved since the last call). NULL if there is no memory. */
+ * 2; up to rounding alone after ctRenew. In a periodic box each molecule, that is a link with a free joint on the world
+ * and all that hangs on it, is shifted as a whole by some box vectors. The array belongs to the scene and is up to date
+ * until the state changes. O(leaves that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
 
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b
@@ -348,10 +358,12 @@ int ctGetTrialLinks(ctChainTree* tree, const int** links);
 /* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
  * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but
  * the trial and the state. No two particles within the cutoff are lost to rounding: boxes are a little larger than
- * their particles need, by less than 1e-6 of their distance from the middle of the reference positions. And the
- * positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of leaves in these pairs are
- * right. The arrays belong to the scene, and stay until the next call or the end of the trial. For a turned side chain
- * O(log N + pairs), otherwise up to O(N + pairs). Errors: no trial; a cutoff that is not positive; no memory. */
+ * their particles need, by less than 1e-6 of their distance from the middle of the reference positions, in images by
+ * less than 1e-5 of the scene's size. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of leaves in these pairs are
+ * right. The arrays belong to the scene, and stay until the next call or the end of the trial. In a periodic box there
+ * is a pair for each image that is near, also of leaves of one body that turns. For a turned side chain O(log N +
+ * pairs), otherwise up to O(N + pairs). Errors: no trial; a cutoff that is not positive or, in a periodic box, is more
+ * than half its width; a molecule that reaches over more than CT_MOST_IMAGE boxes; no memory. */
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts);
 

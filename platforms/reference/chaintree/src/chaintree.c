@@ -75,6 +75,14 @@ ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]) {
   return isTaken ? ctSuccess : ctInvalidArgument;
 }
 
+bool ctGetBox(const ctChainTree* tree, double box[3][3]) {
+  if (tree == NULL || box == NULL || !tree->sequence.box.isPeriodic) {
+    return false;
+  }
+  memcpy(box, tree->sequence.box.vectors, sizeof tree->sequence.box.vectors);
+  return true;
+}
+
 ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* errorText, size_t errorSize) {
   char ignored[1];
   if (errorText == NULL || errorSize == 0) {

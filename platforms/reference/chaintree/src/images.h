@@ -16,6 +16,9 @@ typedef struct Image {
 /* So that numbers of vectors, and differences of these, are an int. */
 #define MOST_VECTORS 0x1p29
 
+/* Above this many images of a group near a node, smaller ones are looked at first. */
+enum { MOST_IMAGES = 32 };
+
 /* The box. Its vectors are the rows; as in OpenMM, the first is along x, and the second has no z. */
 typedef struct PeriodicBox {
   bool isPeriodic;

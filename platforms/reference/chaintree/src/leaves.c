@@ -200,8 +200,12 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
   if (!(cutoff > 0)) {
     return ctFail(scene, ctInvalidArgument, "the cutoff is %g nm; it must be positive", cutoff);
   }
+  ctStatus status = scene->sequence.box.isPeriodic ? ctCheckCutoff(scene, cutoff) : ctSuccess;
+  if (status != ctSuccess) {
+    return status;
+  }
   LeafTask task;
-  const ctStatus status = ctLeavesBegin(scene, inTrial, cutoff, &task);
+  status = ctLeavesBegin(scene, inTrial, cutoff, &task);
   if (status != ctSuccess) {
     return status;
   }
@@ -210,6 +214,9 @@ static ctStatus listPairs(ctChainTree* scene, bool inTrial, double cutoff, LeafP
   scene->ownTree.wide->listLeafPairs(&task);
   if (task.failed) {
     return ctFailOutOfMemory(scene);
+  }
+  if (task.isTooLong) {
+    return ctFail(scene, ctInvalidArgument, "a molecule reaches over more than %d periodic boxes", CT_MOST_IMAGE);
   }
   addTests(counts, task.tests, 0);
   return ctSuccess;

@@ -14,6 +14,9 @@
 #include "slotpairs.h"
 #include "traverse.h"
 
+/* Of a member that has particles of many bodies. */
+enum { MANY_BODIES = -1 };
+
 /* The members of an inner node or the super-root in the open trial. */
 typedef struct TrialMembers {
   int64_t trialNumber; /* equal to Leaves.trialNumber: the rest is of this trial */
@@ -72,7 +75,10 @@ typedef struct LeafTask {
   const Piece* pieces; /* of the trial, ascending */
   const Frame* motions;
   const ctTransform* worldMotions; /* the same for absolute positions */
+  double size;                     /* no particle is farther from worldOrigin, before the trial or in it */
+  float limit;                     /* of squared gaps, for pairs without shift */
   bool failed;                     /* there was no memory */
+  bool isTooLong;                  /* a molecule reaches over too many boxes */
   int64_t tests;                   /* of boxes */
   int64_t particleTests;
 } LeafTask;

@@ -55,6 +55,11 @@ static inline Frame transformIdentity(void) {
   return (Frame){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 }
 
+/* True if a frame turns nothing. */
+static inline bool isTranslation(const Frame* t) {
+  return t->m[0][0] == 1 && t->m[1][1] == 1 && t->m[2][2] == 1;
+}
+
 static inline void translationOf(const Frame* t, double x[3]) {
   x[0] = t->m[0][3];
   x[1] = t->m[1][3];

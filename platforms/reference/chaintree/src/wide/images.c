@@ -5,9 +5,6 @@
 
 #include "view.h"
 
-/* Above this many images of a group near a node, smaller ones are looked at first. */
-enum { MOST_IMAGES = 32 };
-
 /* A search for pairs of an image with the view. */
 typedef struct ImageVisit {
   CandidateFunction* function;

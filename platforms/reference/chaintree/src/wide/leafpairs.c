@@ -6,9 +6,7 @@
 
 #include "axisboxes.h"
 #include "boxdescent.h"
-
-/* Of a member that has particles of many bodies. */
-enum { MANY_BODIES = -1 };
+#include "leafimages.h"
 
 /* ---- Members in the trial ---- */
 
@@ -285,6 +283,7 @@ static bool addPairs(void* search, int row, int first, unsigned near) {
     to[i].a = row < column ? row : column;
     to[i].b = row < column ? column : row;
     to[i].squaredGap = d->gaps[memberIndex(row)][columns[i]];
+    to[i].image[0] = to[i].image[1] = to[i].image[2] = 0;
   }
   pairs->count += (size_t)count;
   return true;
@@ -479,6 +478,8 @@ static void setLimits(LeafDescent* d, const AxisBoxes* before, const AxisBoxes* 
   const double size = cornerOf(before) + cornerOf(after);
   d->limit = limitOf(d->task, size, 0);
   d->slotLimit = limitOf(d->task, size, floatMargin(size + d->task->cutoff));
+  d->task->size = size;
+  d->task->limit = d->limit;
 }
 
 /* Starts a descent. Returns false if there are no particles. */
@@ -488,11 +489,12 @@ static bool begin(LeafDescent* d, LeafTask* task) {
   return task->leaves->occupied[treeSuperRoot(task->tree)] != 0;
 }
 
-/* Starts a descent of a trial. Returns false if all particles move as one. */
+/* Starts a descent of a trial. Returns false if all particles move as one; then members are opened in a periodic scene
+ * alone. */
 static bool beginTrial(LeafDescent* d, LeafTask* task) {
   const int superRoot = treeSuperRoot(task->tree);
   TrialMembers* top = trialMembers(task->leaves, task->tree, superRoot);
-  if (!begin(d, task) || task->pieceCount == 1) {
+  if (!begin(d, task) || (task->pieceCount == 1 && !task->sequence->box.isPeriodic)) {
     return false;
   }
   task->leaves->trialNumber++;
@@ -500,6 +502,12 @@ static bool beginTrial(LeafDescent* d, LeafTask* task) {
   openMany(task, task->tree->levelCount, superRoot, 0);
   setLimits(d, leafBoxes(task->leaves, task->tree, superRoot), &top->boxes);
   return top->body[0] == MANY_BODIES;
+}
+
+void CT_WIDE(openMembers)(const LeafTask* task, int level, int node) {
+  if (task->pieceCount > 0) {
+    openNode(task, level, node);
+  }
 }
 
 void CT_WIDE(listLeafPairs)(LeafTask* task) {
@@ -512,6 +520,9 @@ void CT_WIDE(listLeafPairs)(LeafTask* task) {
     const AxisBoxes* around = leafBoxes(task->leaves, task->tree, treeSuperRoot(task->tree));
     setLimits(&descent, around, around);
     descendBoxes(&descent, task->tree, 1, (BoxVisitor){rowsInState, columnsInState, addPairs, false});
+  }
+  if (task->sequence->box.isPeriodic && !task->failed) {
+    CT_WIDE(listLeafImages)(task);
   }
 }
 

@@ -29,11 +29,7 @@ static inline bool moves(const View* view, int body) {
 
 /* True if a body does not turn: then it keeps its distances to its own images. */
 static inline bool keepsDirection(const View* view, int body) {
-  if (body == 0 || view->trialMotions == NULL) {
-    return true;
-  }
-  const Frame* m = &view->trialMotions[body];
-  return m->m[0][0] == 1 && m->m[1][1] == 1 && m->m[2][2] == 1;
+  return body == 0 || view->trialMotions == NULL || isTranslation(&view->trialMotions[body]);
 }
 
 /* The piece that holds a slot. */

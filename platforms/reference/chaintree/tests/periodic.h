@@ -1,0 +1,117 @@
+/* Scenes in periodic boxes: chains of beads and a rigid body, and the images of their pairs in long double. */
+#ifndef PERIODIC_H_
+#define PERIODIC_H_
+
+#include "check.h"
+
+/* CHAINS is defined before this file is included. */
+enum { BEADS = 16, RIGID = 12, PARTICLES = CHAINS * BEADS + RIGID, LINKS = CHAINS * BEADS + 1 };
+
+static uint32_t state = 1;
+
+/* From 0 to 1. */
+static inline double drawn(void) {
+  state = state * 1664525u + 1013904223u;
+  return (state >> 8) * 0x1p-24;
+}
+
+static inline double drawnBetween(double low, double high) {
+  return low + (high - low) * drawn();
+}
+
+/* Box vectors: cubic, flat, a slab, a truncated octahedron, a rhombic dodecahedron, skewed, at the edge of OpenMM's
+ * reduced form, and so small that a chain meets itself. */
+static const double boxes[][3][3] = {
+    {{5, 0, 0}, {0, 5, 0}, {0, 0, 5}},
+    {{6, 0, 0}, {0, 5, 0}, {0, 0, 3}},
+    {{3, 0, 0}, {0, 3, 0}, {0, 0, 20}},
+    {{5, 0, 0}, {5 / 3.0, 4.714045207910317, 0}, {-5 / 3.0, 2.3570226039551585, 4.08248290463863}},
+    {{5, 0, 0}, {0, 5, 0}, {2.5, 2.5, 3.5355339059327378}},
+    {{4, 0, 0}, {1.3, 4.4, 0}, {-1.1, 0.9, 5}},
+    {{4, 0, 0}, {2, 4, 0}, {-2, 2, 4}},
+    {{1.65, 0, 0}, {0, 1.65, 0}, {0, 0, 1.65}},
+};
+enum { BOXES = sizeof boxes / sizeof boxes[0] };
+
+typedef struct Scene {
+  double positions[3 * PARTICLES];
+  double radii[PARTICLES];
+  int links[PARTICLES];
+  int parents[LINKS];
+  uint8_t joints[LINKS];
+  int torsions[LINKS][4];
+  int exclusions[CHAINS * BEADS][2];
+} Scene;
+
+/* Chains of beads that turn about each other, and one rigid body, all about one box wide. */
+static inline ctDefinition describeScene(Scene* scene, const double (*box)[3], double tolerance) {
+  memset(scene, 0, sizeof *scene);
+  int exclusionCount = 0;
+  for (int i = 0; i < PARTICLES; i++) {
+    const bool isRigid = i >= CHAINS * BEADS;
+    const bool isHead = isRigid ? i == CHAINS * BEADS : i % BEADS == 0;
+    double* x = scene->positions + 3 * i;
+    for (int d = 0; d < 3; d++) {
+      x[d] = isHead ? drawnBetween(0, 1.5) * box[d][d] : x[d - 3] + drawnBetween(-0.3, 0.4);
+    }
+    scene->radii[i] = i % 7 == 3 ? 0 : drawnBetween(0.05, 0.15);
+    const int link = isRigid ? CHAINS * BEADS : i;
+    scene->links[i] = link;
+    scene->parents[link] = isHead || isRigid ? CT_NULL : i - 1;
+    scene->joints[link] = isHead || isRigid ? ctFreeJoint : ctBallJoint;
+    if (!isHead && !isRigid) {
+      scene->torsions[link][1] = i - 1;
+      scene->exclusions[exclusionCount][0] = i;
+      scene->exclusions[exclusionCount++][1] = i - 1;
+    }
+  }
+  return (ctDefinition){.particleCount = PARTICLES,
+                        .positions = scene->positions,
+                        .radii = scene->radii,
+                        .particleLinks = scene->links,
+                        .linkCount = LINKS,
+                        .linkParents = scene->parents,
+                        .linkJoints = scene->joints,
+                        .linkTorsions = (const int(*)[4])scene->torsions,
+                        .exclusionCount = exclusionCount,
+                        .exclusions = (const int(*)[2])scene->exclusions,
+                        .box = box,
+                        .overlapTolerance = tolerance};
+}
+
+static inline ctChainTree* makeScene(Scene* scene, const double (*box)[3], double tolerance) {
+  const ctDefinition definition = describeScene(scene, box, tolerance);
+  return checkedCreate(&definition);
+}
+
+static inline bool isExcluded(const Scene* scene, int i, int j) {
+  return j == i - 1 && scene->joints[scene->links[i]] == ctBallJoint && i < CHAINS * BEADS;
+}
+
+static inline long double imageDistance(const double* positions, int i, int j, const double (*box)[3], const int n[3]) {
+  long double squared = 0;
+  for (int d = 0; d < 3; d++) {
+    long double apart = (long double)positions[3 * i + d] - positions[3 * j + d];
+    for (int k = 0; k < 3; k++) {
+      apart += (long double)n[k] * box[k][d];
+    }
+    squared += apart * apart;
+  }
+  return sqrtl(squared);
+}
+
+/* The image of i that is nearest to j, if they are within half a box width of each other. */
+static inline void nearestImage(const double* positions, int i, int j, const double (*box)[3], int n[3]) {
+  double apart[3];
+  for (int d = 0; d < 3; d++) {
+    apart[d] = positions[3 * i + d] - positions[3 * j + d];
+  }
+  for (int k = 2; k >= 0; k--) {
+    n[k] = -(int)floor(apart[k] / box[k][k] + 0.5);
+    for (int d = 0; d < 3; d++) {
+      apart[d] += n[k] * box[k][d];
+    }
+  }
+}
+
+#endif /* PERIODIC_H_ */
