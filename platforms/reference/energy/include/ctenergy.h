@@ -21,6 +21,12 @@
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
  * of expressions may differ, which use its exp, log, sin and the like, and of torsions by their phases' cosines.
  *
+ * Periodic boxes. In a scene with a box, pairs count in the image that is within the cutoff, which is at most half the
+ * box's width. Terms are of the particles as they are, or of nearest images, see ctTermSet.isPeriodic: each difference
+ * of positions is reduced as OpenMM does. Molecules (see ctGetLeaves) are shifted, so a set has no value if it is of
+ * places, or has terms of particles, or with isPeriodic groups, of different molecules. Born energies and energies of
+ * values have no images. Refreshing such an energy is an error; so is a box that is too narrow for a cutoff.
+ *
  * Errors and arguments. As in chaintree.h; what has no value is NaN. One scene can have one energy or more; handles of
  * one scene serve one thread at a time. The scene has to outlive them.
  */
@@ -178,6 +184,7 @@ typedef struct ctTermSet {
   const ctExpression* expression; /* for ctExpressionTerm and ctCentroidTerm */
   int groupsPerTerm;              /* for ctCentroidTerm: groups of the same number of consecutive particles, whose
                                    * weighted means are the particles of the expression */
+  bool isPeriodic;                /* in a periodic box, distances, angles and dihedrals are of nearest images */
 } ctTermSet;
 
 /* A function of one to three numbers by a table. A discrete one has a value for each whole number from 0, or for each
@@ -358,8 +365,11 @@ void ctDestroyEnergy(ctEnergy* energy);
 const char* ctGetEnergyErrorText(const ctEnergy* energy);
 
 /* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. 0
- * if there is no such set. */
+ * if there is no such set. With isPeriodic, all count: a turn changes a term that is longer than half the box's width. */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
+
+/* The first term set that has no value in a periodic box, see above; CT_NULL: all have. */
+int ctFindUnboxedTerms(const ctEnergy* energy);
 
 /* Computes all values from the scene's state. Call it before the first trial and whenever the state has changed in
  * another way than by ctAcceptEnergyChange. O(all terms and pairs). */

@@ -47,6 +47,11 @@ static ctStatus failOutOfMemory(ctEnergy* energy) {
   return fail(energy, ctOutOfMemory, "out of memory");
 }
 
+/* Fails as a call on the scene has, or for lack of memory. */
+static ctStatus failAsScene(ctEnergy* energy, ctStatus status) {
+  return status == ctOutOfMemory ? failOutOfMemory(energy) : fail(energy, status, "%s", ctGetErrorText(energy->tree));
+}
+
 /* ---- Life ---- */
 
 /* The slot of each particle, or CT_NULL; NULL if there is no memory. */
@@ -149,11 +154,37 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
   return isTermSet(energy, termSet) ? ctTermsCountChangeable(energy->terms, termSet) : 0;
 }
 
+int ctFindUnboxedTerms(const ctEnergy* energy) {
+  return energy != NULL ? ctTermsFindUnboxed(energy->terms) : CT_NULL;
+}
+
 /* ---- The state ---- */
+
+static bool hasStandIn(const ctEnergy* energy) {
+  return energy != NULL && energy->hasPairs && energy->pairs.hasStandIn;
+}
 
 /* The greatest displacement, since values were last refreshed, of particles that counted as unmoved. */
 static double lag(const ctEnergy* energy) {
   return ctGetTotalShift(energy->tree) - energy->shift;
+}
+
+/* Fails if the scene is periodic and some part of the energy has no periodic images. */
+static ctStatus checkBox(ctEnergy* energy) {
+  double box[3][3];
+  if (!ctGetBox(energy->tree, box)) {
+    return ctSuccess;
+  }
+  if (hasStandIn(energy) || energy->values.count > 0) {
+    return fail(energy, ctInvalidArgument, "in a periodic box there are no Born energies and no energies of values");
+  }
+  const int set = ctTermsFindUnboxed(energy->terms);
+  if (set != CT_NULL) {
+    return fail(energy, ctInvalidArgument,
+                "in a periodic box, term set %d has no value: it is of particles of different molecules, or of places",
+                set);
+  }
+  return ctSuccess;
 }
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
@@ -164,10 +195,19 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  if (leaves == NULL || (energy->hasPairs && ctAllPairsRefresh(&energy->pairs, counts) != ctSuccess)) {
-    return failOutOfMemory(energy);
+  double box[3][3];
+  const bool isPeriodic = ctGetBox(energy->tree, box);
+  const ctStatus inBox = checkBox(energy);
+  if (inBox != ctSuccess) {
+    return inBox;
   }
-  ctTermsRefresh(energy->terms, leaves);
+  const ctStatus status = leaves == NULL     ? ctOutOfMemory
+                          : energy->hasPairs ? ctAllPairsRefresh(&energy->pairs, counts)
+                                             : ctSuccess;
+  if (status != ctSuccess) {
+    return failAsScene(energy, status);
+  }
+  ctTermsRefresh(energy->terms, leaves, isPeriodic ? (const double(*)[3])box : NULL);
   energy->shift = ctGetTotalShift(energy->tree);
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
@@ -235,7 +275,7 @@ ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* chan
   }
   if (status != ctSuccess) {
     energy->computedParts = 0;
-    return failOutOfMemory(energy);
+    return failAsScene(energy, status);
   }
   energy->computedParts = (int)part + 1;
   return ctSuccess;
@@ -265,15 +305,15 @@ ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies
   if (energy == NULL || (energies == NULL && energy->values.count > 0)) {
     return failMissing(energy, "energies");
   }
+  const ctStatus inBox = checkBox(energy);
+  if (inBox != ctSuccess) {
+    return inBox;
+  }
   const ctStatus status = ctValueEnergiesCompute(&energy->values, energy->tree, inTrial, energies);
   return status == ctSuccess ? ctSuccess : fail(energy, status, "there is no open trial");
 }
 
 /* ---- Two levels ---- */
-
-static bool hasStandIn(const ctEnergy* energy) {
-  return energy != NULL && energy->hasPairs && energy->pairs.hasStandIn;
-}
 
 double ctGetNearChangeBack(const ctEnergy* energy) {
   if (energy == NULL) {

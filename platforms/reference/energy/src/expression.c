@@ -132,6 +132,22 @@ static double measure(const ctInput* input, const double (*x)[3]) {
   }
 }
 
+/* The same of nearest images, if there is a box. */
+static double measureImages(const ctInput* input, const double (*x)[3], const PeriodicBox* box, bool* isLong) {
+  const int count = ctMeasureWidth(input->measure);
+  const double* points[4] = {NULL};
+  double chain[4][3];
+  if (box == NULL || count == 1) {
+    return measure(input, x);
+  }
+  for (int i = 0; i < count; i++) {
+    points[i] = x[input->particles[i]];
+  }
+  *isLong = !chainOfImages(box, count, points, chain) || *isLong;
+  const ctInput ofChain = {input->measure, {0, 1, 2, 3}};
+  return measure(&ofChain, (const double(*)[3])chain);
+}
+
 /* As OpenMM computes it. */
 static double constantPower(double base, double exponent) {
   if (!(fabs(exponent) < INT_MAX) || exponent != (int)exponent) {
@@ -159,13 +175,14 @@ double ctOperate(const ctOperation* operation, double a, double b, double c) {
   }
 }
 
-double ctExpressionEvaluate(const Expression* expression, const double (*positions)[3], const double* parameters,
-                            double* results) {
+double ctExpressionEvaluate(const Expression* expression, const double (*positions)[3], const PeriodicBox* box,
+                            const double* parameters, double* results, bool* isLong) {
+  *isLong = false;
   for (int i = 0; i < expression->operationCount; i++) {
     const ctOperation* operation = &expression->operations[i];
     const int* arguments = operation->arguments;
     if (operation->kind == ctInputOperator) {
-      results[i] = measure(&expression->inputs[arguments[0]], positions);
+      results[i] = measureImages(&expression->inputs[arguments[0]], positions, box, isLong);
     } else if (operation->kind == ctParameterOperator) {
       results[i] = parameters[arguments[0]];
     } else {

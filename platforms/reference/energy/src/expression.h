@@ -6,6 +6,7 @@
 #include <stddef.h>
 
 #include "ctenergy.h"
+#include "periodicbox.h"
 
 /* A copy of a ctExpression. */
 typedef struct Expression {
@@ -40,9 +41,9 @@ void ctExpressionFree(Expression* expression);
 /* True if some input is a coordinate: a motion of the whole term changes its value. */
 bool ctExpressionHasCoordinate(const ctExpression* expression);
 
-/* The value for the particles and parameters of a term. `results` is scratch for one number an operation, none
- * of which may be uninitialized. */
-double ctExpressionEvaluate(const Expression* expression, const double (*positions)[3], const double* parameters,
-                            double* results);
+/* The value for the particles and parameters of a term, of nearest images unless `box` is NULL; *isLong: see Term.
+ * `results` is scratch for one number an operation, none of which may be uninitialized. */
+double ctExpressionEvaluate(const Expression* expression, const double (*positions)[3], const PeriodicBox* box,
+                            const double* parameters, double* results, bool* isLong);
 
 #endif /* CT_EXPRESSION_H_ */

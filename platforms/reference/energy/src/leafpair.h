@@ -21,6 +21,7 @@ typedef struct LeafFrame {
 typedef struct FramedPair {
   int a;
   int b;
+  bool isImage; /* the first frame is shifted by box vectors */
   const LeafFrame* frames[2];
 } FramedPair;
 

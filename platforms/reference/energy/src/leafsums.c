@@ -3,7 +3,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "sortedleaves.h"
+/* The index of the first key that is not before this one. O(log count). */
+static int placeOfKey(const LeafKey* keys, int count, LeafKey key) {
+  /* Without a branch on the result, which processors would mispredict. */
+  int begin = 0;
+  for (int left = count; left > 0;) {
+    const int half = (left + 1) / 2;
+    begin += keys[begin + half - 1] < key ? half : 0;
+    left -= half;
+  }
+  return begin;
+}
 
 bool ctLeafSumsCreate(LeafSums* sums, int leafCount) {
   sums->leafCount = leafCount;
@@ -13,7 +23,7 @@ bool ctLeafSumsCreate(LeafSums* sums, int leafCount) {
 
 void ctLeafSumsFree(LeafSums* sums) {
   for (int leaf = 0; sums->rows != NULL && leaf < sums->leafCount; leaf++) {
-    free(sums->rows[leaf].leaves);
+    free(sums->rows[leaf].keys);
     free(sums->rows[leaf].sums);
   }
   free(sums->rows);
@@ -26,11 +36,14 @@ void ctLeafSumsClear(LeafSums* sums) {
   }
 }
 
-int ctLeafSumsFind(const LeafSums* sums, int a, int b) {
+int ctLeafSumsFind(const LeafSums* sums, int a, int b, LeafKey key) {
   const LeafRow* row = &sums->rows[a];
   /* Without a cutoff, all leaves from a on are there. */
-  const int i = row->count == sums->leafCount - a ? b - a : placeOf(row->leaves, row->count, b);
-  return i < row->count && row->leaves[i] == b ? i : ABSENT;
+  if (row->count == sums->leafCount - a && row->keys[b - a] == key) {
+    return b - a;
+  }
+  const int i = placeOfKey(row->keys, row->count, key);
+  return i < row->count && row->keys[i] == key ? i : ABSENT;
 }
 
 /* Removes the pairs of a row whose sum is 0. */
@@ -38,7 +51,7 @@ static void removeZeros(LeafRow* row) {
   int kept = 0;
   for (int i = 0; i < row->count; i++) {
     if (row->sums[i] != 0) {
-      row->leaves[kept] = row->leaves[i];
+      row->keys[kept] = row->keys[i];
       row->sums[kept++] = row->sums[i];
     }
   }
@@ -46,11 +59,11 @@ static void removeZeros(LeafRow* row) {
 }
 
 static bool setCapacity(LeafRow* row, int capacity) {
-  int* leaves = realloc(row->leaves, (size_t)capacity * sizeof *leaves);
-  if (leaves != NULL) {
-    row->leaves = leaves;
+  LeafKey* keys = realloc(row->keys, (size_t)capacity * sizeof *keys);
+  if (keys != NULL) {
+    row->keys = keys;
   }
-  double* values = leaves != NULL ? realloc(row->sums, (size_t)capacity * sizeof *values) : NULL;
+  double* values = keys != NULL ? realloc(row->sums, (size_t)capacity * sizeof *values) : NULL;
   if (values == NULL) {
     return false;
   }
@@ -68,7 +81,7 @@ static bool grow(LeafRow* row) {
   return setCapacity(row, row->capacity + row->capacity / 2 + 8) || row->count < row->capacity;
 }
 
-bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
+bool ctLeafSumsAdd(LeafSums* sums, int a, LeafKey key, double sum) {
   LeafRow* row = &sums->rows[a];
   if (sum == 0) {
     return true;
@@ -76,10 +89,10 @@ bool ctLeafSumsAdd(LeafSums* sums, int a, int b, double sum) {
   if (row->count == row->capacity && !grow(row)) {
     return false;
   }
-  const int i = placeOf(row->leaves, row->count, b);
-  memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
+  const int i = placeOfKey(row->keys, row->count, key);
+  memmove(row->keys + i + 1, row->keys + i, (size_t)(row->count - i) * sizeof *row->keys);
   memmove(row->sums + i + 1, row->sums + i, (size_t)(row->count - i) * sizeof *row->sums);
-  row->leaves[i] = b;
+  row->keys[i] = key;
   row->sums[i] = sum;
   row->count++;
   return true;
@@ -95,7 +108,7 @@ bool ctLeafSumsCopy(const LeafSums* from, LeafSums* to) {
     }
     row->count = source->count;
     if (row->count > 0) {
-      memcpy(row->leaves, source->leaves, (size_t)row->count * sizeof *row->leaves);
+      memcpy(row->keys, source->keys, (size_t)row->count * sizeof *row->keys);
       memcpy(row->sums, source->sums, (size_t)row->count * sizeof *row->sums);
     }
   }

@@ -142,17 +142,28 @@ static double exactEnergy(const Nonbonded* nonbonded, const LeafSide* a, const L
   return sum;
 }
 
-double ctNonbondedEnergy(const Nonbonded* nonbonded, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB) {
-  const uint16_t* excluded = pairMaskOf(&nonbonded->mask, a, b);
-  const LeafSide sideA = {frameA, &nonbonded->columns[a], excluded};
-  const LeafSide sideB = {frameB, &nonbonded->columns[b], excluded != NULL ? pairMaskOf(&nonbonded->mask, b, a) : NULL};
+static double energyOfPair(const Nonbonded* nonbonded, const FramedPair* pair) {
+  const int a = pair->a;
+  const int b = pair->b;
+  const PairMask* mask = &nonbonded->mask;
+  const uint16_t* excluded[2] = {NULL, NULL};
+  excluded[0] = pair->isImage ? pairMaskOfImage(mask, a, b) : pairMaskOf(mask, a, b);
+  if (excluded[0] != NULL) {
+    excluded[1] = pair->isImage ? pairMaskOfImage(mask, b, a) : pairMaskOf(mask, b, a);
+  }
+  const LeafSide sideA = {pair->frames[0], &nonbonded->columns[a], excluded[0]};
+  const LeafSide sideB = {pair->frames[1], &nonbonded->columns[b], excluded[1]};
   const double energy = nonbonded->wide->leafPairEnergy(&nonbonded->potential, &sideA, &sideB);
   return isfinite(energy) ? energy : exactEnergy(nonbonded, &sideA, &sideB);
 }
 
+double ctNonbondedEnergy(const Nonbonded* nonbonded, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB) {
+  const FramedPair pair = {a, b, false, {frameA, frameB}};
+  return energyOfPair(nonbonded, &pair);
+}
+
 void ctNonbondedEnergies(const void* model, int count, const FramedPair* pairs, double* energies) {
   for (int i = 0; i < count; i++) {
-    const FramedPair* pair = &pairs[i];
-    energies[i] = ctNonbondedEnergy(model, pair->a, pair->frames[0], pair->b, pair->frames[1]);
+    energies[i] = energyOfPair(model, &pairs[i]);
   }
 }

@@ -47,13 +47,23 @@ static void exclude(PairMask* mask, int slotA, int slotB) {
   bits[slotA % CT_LEAF_WIDTH] = (uint16_t)(bits[slotA % CT_LEAF_WIDTH] | 1u << slotB % CT_LEAF_WIDTH);
 }
 
+static void excludePair(PairMask* mask, int slotA, int slotB) {
+  exclude(mask, slotA, slotB);
+  if (slotA / CT_LEAF_WIDTH == slotB / CT_LEAF_WIDTH) {
+    uint16_t* bits = &mask->ofOwnImage[slotA / CT_LEAF_WIDTH][slotA % CT_LEAF_WIDTH];
+    *bits = (uint16_t)(*bits | 1u << slotB % CT_LEAF_WIDTH);
+  }
+}
+
 bool ctPairMaskCreate(PairMask* mask, int leafCount, int pairCount, const int (*pairs)[2], const int* slotOf) {
   LeafLink* links = malloc(((size_t)leafCount + 2 * (size_t)pairCount + 1) * sizeof *links);
   const int count = links != NULL ? listPartners(links, leafCount, pairCount, pairs, slotOf) : 0;
   mask->begin = calloc((size_t)leafCount + 1, sizeof *mask->begin);
   mask->partners = malloc(((size_t)count + 1) * sizeof *mask->partners);
   mask->bits = calloc((size_t)count + 1, sizeof *mask->bits);
-  if (links == NULL || mask->begin == NULL || mask->partners == NULL || mask->bits == NULL) {
+  mask->ofOwnImage = calloc((size_t)leafCount + 1, sizeof *mask->ofOwnImage);
+  if (links == NULL || mask->begin == NULL || mask->partners == NULL || mask->bits == NULL ||
+      mask->ofOwnImage == NULL) {
     free(links);
     ctPairMaskFree(mask);
     return false;
@@ -71,8 +81,8 @@ bool ctPairMaskCreate(PairMask* mask, int leafCount, int pairCount, const int (*
     }
   }
   for (int i = 0; i < pairCount; i++) {
-    exclude(mask, slotOf[pairs[i][0]], slotOf[pairs[i][1]]);
-    exclude(mask, slotOf[pairs[i][1]], slotOf[pairs[i][0]]);
+    excludePair(mask, slotOf[pairs[i][0]], slotOf[pairs[i][1]]);
+    excludePair(mask, slotOf[pairs[i][1]], slotOf[pairs[i][0]]);
   }
   return true;
 }
@@ -81,5 +91,6 @@ void ctPairMaskFree(PairMask* mask) {
   free(mask->begin);
   free(mask->partners);
   free(mask->bits);
+  free(mask->ofOwnImage);
   *mask = (PairMask){0};
 }

@@ -149,7 +149,7 @@ static bool openPair(const PairSet* set, const FramedPair* framed, OpenedPair* o
     pair->allowed = allowed;
     pair->times = found == PAIRS_COUNT_OFTEN ? opened->times : NULL;
   }
-  const uint16_t* excluded = pairMaskOf(&set->mask, a, b);
+  const uint16_t* excluded = framed->isImage ? pairMaskOfImage(&set->mask, a, b) : pairMaskOf(&set->mask, a, b);
   for (int k = 0; excluded != NULL && k < CT_LEAF_WIDTH; k++) {
     allowed[k] = (uint16_t)((set->hasGroups ? allowed[k] : ~0u) & ~(unsigned)excluded[k]);
     pair->allowed = allowed;

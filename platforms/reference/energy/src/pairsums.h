@@ -12,8 +12,8 @@ typedef void LeafPairFunction(const void* model, int count, const FramedPair* pa
 /* The new sum of a pair of leaves that the trial changes. */
 typedef struct StagedSum {
   int a;
-  int b;
   int place; /* of the sum of the state, see ctLeafSumsFind */
+  LeafKey key;
   double sum;
 } StagedSum;
 

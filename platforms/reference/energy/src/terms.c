@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "dependence.h"
+#include "molecules.h"
 
 struct Terms {
   int setCount;
@@ -18,12 +19,21 @@ struct Terms {
   uint8_t* repeats; /* terms that share the dihedral of the term before */
   Dependence dependence;
 
+  /* Long terms of nearest images: a turn of all of their particles changes them, too. */
+  bool isPeriodic;
+  PeriodicBox box;
+  bool* isLong; /* per term */
+  bool* savedIsLong;
+  int longCount;
+  int* longTerms; /* ascending */
+
   /* The open trial. */
   uint32_t trial;
   uint32_t* termTrials; /* of each term: the last trial of several links that computed it */
   int changedCount;
   int* changedTerms; /* in the order in which they were computed */
   double* newValues;
+  bool* newIsLong;
 
   /* Scratch. */
   double (*positions)[3]; /* of a term */
@@ -55,7 +65,7 @@ static bool allocateScratch(Terms* terms) {
   size_t operations = 0;
   for (int s = 0; s < terms->setCount; s++) {
     const TermSet* set = &terms->sets[s];
-    changeable += (size_t)set->changeableCount;
+    changeable += (size_t)(set->isPeriodic ? set->count : set->changeableCount);
     terms->width = set->width > terms->width ? set->width : terms->width;
     operations =
         (size_t)set->expression.operationCount > operations ? (size_t)set->expression.operationCount : operations;
@@ -63,11 +73,12 @@ static bool allocateScratch(Terms* terms) {
   terms->termTrials = calloc((size_t)terms->termCount + 1, sizeof *terms->termTrials);
   terms->changedTerms = malloc((changeable + 1) * sizeof *terms->changedTerms);
   terms->newValues = malloc((changeable + 1) * sizeof *terms->newValues);
+  terms->newIsLong = malloc((changeable + 1) * sizeof *terms->newIsLong);
   terms->positions = malloc(((size_t)terms->width + 1) * sizeof *terms->positions);
   terms->slots = malloc(((size_t)terms->width + 1) * sizeof *terms->slots);
   terms->results = calloc(operations + 1, sizeof *terms->results);
   return terms->termTrials != NULL && terms->changedTerms != NULL && terms->newValues != NULL &&
-         terms->positions != NULL && terms->slots != NULL && terms->results != NULL;
+         terms->newIsLong != NULL && terms->positions != NULL && terms->slots != NULL && terms->results != NULL;
 }
 
 static bool allocateTerms(Terms* terms) {
@@ -75,7 +86,11 @@ static bool allocateTerms(Terms* terms) {
   terms->values = calloc(count, sizeof *terms->values);
   terms->setOf = malloc(count * sizeof *terms->setOf);
   terms->repeats = calloc(count, sizeof *terms->repeats);
-  if (terms->values == NULL || terms->setOf == NULL || terms->repeats == NULL) {
+  terms->isLong = calloc(count, sizeof *terms->isLong);
+  terms->savedIsLong = calloc(count, sizeof *terms->savedIsLong);
+  terms->longTerms = malloc(count * sizeof *terms->longTerms);
+  if (terms->values == NULL || terms->setOf == NULL || terms->repeats == NULL || terms->isLong == NULL ||
+      terms->savedIsLong == NULL || terms->longTerms == NULL) {
     return false;
   }
   for (int s = 0; s < terms->setCount; s++) {
@@ -86,6 +101,16 @@ static bool allocateTerms(Terms* terms) {
     }
   }
   return true;
+}
+
+/* Finds the sets that have no value in a periodic box. */
+static bool findUnboxed(Terms* terms, const ctDefinition* scene, const ctTermSet* sets) {
+  int* molecules = ctFindMolecules(scene);
+  for (int s = 0; s < terms->setCount && molecules != NULL; s++) {
+    terms->sets[s].isUnboxed = !ctTermSetFitsBox(scene, &sets[s], molecules);
+  }
+  free(molecules);
+  return molecules != NULL;
 }
 
 static ctStatus checkSets(const ctDefinition* scene, int setCount, const ctTermSet* sets, const int* slotOf,
@@ -118,7 +143,8 @@ ctStatus ctTermsCreate(const ctDefinition* scene, int setCount, const ctTermSet*
   }
   Terms* made = calloc(1, sizeof *made);
   if (made == NULL || !describeSets(made, setCount, sets, slotOf) || !allocateTerms(made) ||
-      !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) || !allocateScratch(made)) {
+      !findUnboxed(made, scene, sets) || !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) ||
+      !allocateScratch(made)) {
     ctTermsDestroy(made);
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
@@ -139,10 +165,14 @@ void ctTermsDestroy(Terms* terms) {
   free(terms->savedValues);
   free(terms->setOf);
   free(terms->repeats);
+  free(terms->isLong);
+  free(terms->savedIsLong);
+  free(terms->longTerms);
   ctDependenceFree(&terms->dependence);
   free(terms->termTrials);
   free(terms->changedTerms);
   free(terms->newValues);
+  free(terms->newIsLong);
   free(terms->positions);
   free(terms->slots);
   free(terms->results);
@@ -162,8 +192,11 @@ static Evaluation beginEvaluation(Terms* terms, const TrialView* view) {
   for (int p = 0; p < terms->width; p++) {
     terms->slots[p] = CT_NULL;
   }
-  return (Evaluation){
-      .terms = terms, .view = view, .term = {.x = (const double(*)[3])terms->positions, .results = terms->results}};
+  return (Evaluation){.terms = terms,
+                      .view = view,
+                      .term = {.x = (const double(*)[3])terms->positions,
+                               .box = terms->isPeriodic ? &terms->box : NULL,
+                               .results = terms->results}};
 }
 
 /* Terms often share some particles with the one before. */
@@ -200,13 +233,38 @@ static double evaluateTerm(Evaluation* evaluation, int number) {
 
 /* ---- The state ---- */
 
-void ctTermsRefresh(Terms* terms, const ctLeafPositions* state) {
+/* Lists the terms that are long. */
+static void listLongTerms(Terms* terms) {
+  terms->longCount = 0;
+  for (int term = 0; term < terms->termCount && terms->isPeriodic; term++) {
+    if (terms->isLong[term]) {
+      terms->longTerms[terms->longCount++] = term;
+    }
+  }
+}
+
+int ctTermsFindUnboxed(const Terms* terms) {
+  for (int s = 0; s < terms->setCount; s++) {
+    if (terms->sets[s].isUnboxed && terms->sets[s].count > 0) {
+      return s;
+    }
+  }
+  return CT_NULL;
+}
+
+void ctTermsRefresh(Terms* terms, const ctLeafPositions* state, const double (*box)[3]) {
   const TrialView view = {.state = state};
+  terms->isPeriodic = box != NULL;
+  if (box != NULL) {
+    terms->box = makePeriodicBox(box);
+  }
   Evaluation evaluation = beginEvaluation(terms, &view);
   terms->changedCount = 0;
   for (int term = 0; term < terms->termCount; term++) {
     terms->values[term] = evaluateTerm(&evaluation, term);
+    terms->isLong[term] = evaluation.term.isLong;
   }
+  listLongTerms(terms);
 }
 
 int ctTermsSetCount(const Terms* terms) {
@@ -223,7 +281,7 @@ double ctTermsSum(const Terms* terms, int set) {
 }
 
 int ctTermsCountChangeable(const Terms* terms, int set) {
-  return terms->sets[set].changeableCount;
+  return terms->sets[set].isPeriodic ? terms->sets[set].count : terms->sets[set].changeableCount;
 }
 
 /* ---- Trials ---- */
@@ -237,6 +295,7 @@ static void changeTerm(Change* change, int term) {
   Terms* terms = change->evaluation.terms;
   const double value = evaluateTerm(&change->evaluation, term);
   terms->changedTerms[terms->changedCount] = term;
+  terms->newIsLong[terms->changedCount] = change->evaluation.term.isLong;
   terms->newValues[terms->changedCount++] = value;
   change->sum += changeOf(terms->values[term], value);
 }
@@ -330,6 +389,34 @@ static void changeAcross(Change* change) {
   }
 }
 
+/* Long terms, not computed yet, of particles that move. */
+static void changeLongTerms(Change* change) {
+  Terms* terms = change->evaluation.terms;
+  const TrialView* view = change->evaluation.view;
+  if (terms->longCount == 0) {
+    return;
+  }
+  if (++terms->trial == 0) {
+    memset(terms->termTrials, 0, (size_t)terms->termCount * sizeof *terms->termTrials);
+    terms->trial = 1;
+  }
+  for (int i = 0; i < terms->changedCount; i++) {
+    terms->termTrials[terms->changedTerms[i]] = terms->trial;
+  }
+  for (int i = 0; i < terms->longCount; i++) {
+    const int term = terms->longTerms[i];
+    const TermSet* set = &terms->sets[terms->setOf[term]];
+    const int* slots = set->slots + (size_t)(term - set->firstTerm) * (size_t)set->width;
+    bool moves = false;
+    for (int p = 0; p < set->width; p++) {
+      moves = moves || trialBody(view, slots[p]) != 0;
+    }
+    if (moves && terms->termTrials[term] != terms->trial) {
+      changeTerm(change, term);
+    }
+  }
+}
+
 double ctTermsChange(Terms* terms, const TrialView* view) {
   Change change = {.evaluation = beginEvaluation(terms, view)};
   terms->changedCount = 0;
@@ -337,15 +424,23 @@ double ctTermsChange(Terms* terms, const TrialView* view) {
     changeListedTerms(&change);
     changeSingles(&change);
     changeAcross(&change);
+    changeLongTerms(&change);
   }
   return change.sum;
 }
 
 void ctTermsAccept(Terms* terms) {
+  bool isOutdated = false;
   for (int i = 0; i < terms->changedCount; i++) {
-    terms->values[terms->changedTerms[i]] = terms->newValues[i];
+    const int term = terms->changedTerms[i];
+    terms->values[term] = terms->newValues[i];
+    isOutdated = isOutdated || terms->isLong[term] != terms->newIsLong[i];
+    terms->isLong[term] = terms->newIsLong[i];
   }
   terms->changedCount = 0;
+  if (isOutdated) {
+    listLongTerms(terms);
+  }
 }
 
 /* ---- Copies ---- */
@@ -359,10 +454,13 @@ bool ctTermsSave(Terms* terms) {
     return false;
   }
   memcpy(terms->savedValues, terms->values, size);
+  memcpy(terms->savedIsLong, terms->isLong, (size_t)terms->termCount * sizeof *terms->isLong);
   return true;
 }
 
 void ctTermsRestore(Terms* terms) {
   terms->changedCount = 0;
   memcpy(terms->values, terms->savedValues, (size_t)terms->termCount * sizeof *terms->values);
+  memcpy(terms->isLong, terms->savedIsLong, (size_t)terms->termCount * sizeof *terms->isLong);
+  listLongTerms(terms);
 }

@@ -67,7 +67,8 @@ static double evaluateMap(Term* term) {
 }
 
 static double evaluateExpression(Term* term) {
-  return ctExpressionEvaluate(&term->set->expression, term->x, term->numbers, term->results);
+  const PeriodicBox* box = term->set->isPeriodic ? term->box : NULL;
+  return ctExpressionEvaluate(&term->set->expression, term->x, box, term->numbers, term->results, &term->isLong);
 }
 
 static double evaluateCentroids(Term* term) {
@@ -88,7 +89,8 @@ static double evaluateCentroids(Term* term) {
       set->centroids[group][d] = sum[d] / total;
     }
   }
-  return ctExpressionEvaluate(&set->expression, (const double(*)[3])set->centroids, term->numbers, term->results);
+  return ctExpressionEvaluate(&set->expression, (const double(*)[3])set->centroids, set->isPeriodic ? term->box : NULL,
+                              term->numbers, term->results, &term->isLong);
 }
 
 /* ---- Kinds ---- */
@@ -237,6 +239,20 @@ bool ctTermSetIsValid(const ctDefinition* scene, const ctTermSet* set, int numbe
   return true;
 }
 
+bool ctTermSetFitsBox(const ctDefinition* scene, const ctTermSet* set, const int* molecules) {
+  if (kinds[set->kind].measured == 0 && ctExpressionHasCoordinate(set->expression)) {
+    return false;
+  }
+  const int together = set->isPeriodic ? pointSize(set) : set->particlesPerTerm; /* these have to be of one molecule */
+  for (int i = 0; i < set->count * set->particlesPerTerm; i++) {
+    const int first = set->particles[i - i % set->particlesPerTerm % together];
+    if (molecules[scene->particleLinks[set->particles[i]]] != molecules[scene->particleLinks[first]]) {
+      return false;
+    }
+  }
+  return true;
+}
+
 /* ---- Life ---- */
 
 /* Of a periodic torsion: n, k, k cos(phase), k sin(phase). */
@@ -277,6 +293,7 @@ bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, Te
                    .count = from->count,
                    .firstTerm = firstTerm,
                    .width = from->particlesPerTerm,
+                   .isPeriodic = from->isPeriodic,
                    .stride = from->kind == ctPeriodicTorsionTerm ? 4 : from->parametersPerTerm};
   const size_t stride = (size_t)set->stride;
   set->slots = malloc((count * width + 1) * sizeof *set->slots);
@@ -345,8 +362,29 @@ bool ctMeasuresPlace(const ctTermSet* set, int measure) {
   return kinds[set->kind].measured == 0 && ctMeasureWidth(set->expression->inputs[measure].measure) == 1;
 }
 
+/* Evaluates a term of nearest images. */
+static double evaluateImages(Term* term) {
+  enum { MOST_PARTICLES = 8 };
+  const Kind* kind = &kinds[term->set->kind];
+  const double(*x)[3] = term->x;
+  const double* points[MOST_PARTICLES];
+  double chain[MOST_PARTICLES][3];
+  for (int begin = 0; begin < kind->particles; begin += kind->measured) {
+    for (int i = 0; i < kind->measured; i++) {
+      points[i] = x[begin + i];
+    }
+    term->isLong = !chainOfImages(term->box, kind->measured, points, chain + begin) || term->isLong;
+  }
+  term->x = (const double(*)[3])chain;
+  const double value = kind->evaluate(term);
+  term->x = x;
+  return value;
+}
+
 double ctTermEvaluate(Term* term) {
-  return kinds[term->set->kind].evaluate(term);
+  const Kind* kind = &kinds[term->set->kind];
+  term->isLong = false;
+  return term->box != NULL && term->set->isPeriodic && kind->measured > 0 ? evaluateImages(term) : kind->evaluate(term);
 }
 
 bool ctTermSetRepeats(const TermSet* set, int term) {

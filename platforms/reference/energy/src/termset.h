@@ -20,12 +20,17 @@ typedef struct TermSet {
   int groupCount;         /* of a term of centroids, as the next */
   double (*centroids)[3]; /* scratch: of each group */
   int changeableCount;    /* terms that some joint can change */
+  bool isPeriodic;        /* see ctTermSet */
+  bool isUnboxed;         /* it has no value in a periodic box */
 } TermSet;
 
 /* True if a set is right for a scene; else text, of `size` bytes, says in a sentence which term of set number `number`
  * is wrong, and why. slotOf[particle] is its slot, or CT_NULL. */
 bool ctTermSetIsValid(const ctDefinition* scene, const ctTermSet* set, int number, const int* slotOf, char* text,
                       size_t size);
+
+/* True if molecules of a periodic box, see ctFindMolecules, may be shifted without a change of the value. */
+bool ctTermSetFitsBox(const ctDefinition* scene, const ctTermSet* set, const int* molecules);
 
 /* Makes a set from a valid description. False if there is no memory; it has to be freed all the same. */
 bool ctTermSetCreate(const ctTermSet* from, int firstTerm, const int* slotOf, TermSet* set);
@@ -46,10 +51,12 @@ bool ctMeasuresPlace(const ctTermSet* set, int measure);
 typedef struct Term {
   const TermSet* set;
   const double* numbers;
-  const double (*x)[3]; /* positions of its particles */
-  bool sharesDihedral;  /* with the term that was evaluated before */
-  Dihedral dihedral;    /* of the last torsion */
-  double* results;      /* scratch for the operations of an expression */
+  const double (*x)[3];   /* positions of its particles */
+  const PeriodicBox* box; /* NULL: none */
+  bool isLong;            /* out: some difference of positions is not shorter than half the box's width */
+  bool sharesDihedral;    /* with the term that was evaluated before */
+  Dihedral dihedral;      /* of the last torsion */
+  double* results;        /* scratch for the operations of an expression */
 } Term;
 
 double ctTermEvaluate(Term* term);

@@ -66,6 +66,7 @@ void ctTrialLeavesOutdate(TrialLeaves* leaves) {
     leaves->frameIsOutdated[leaf] = true;
   }
   leaves->statePositions = ctGetLeaves(leaves->tree);
+  leaves->isPeriodic = ctGetBox(leaves->tree, leaves->box);
 }
 
 ctStatus ctTrialLeavesRefresh(TrialLeaves* leaves, size_t* count, const ctLeafPair** pairs, ctCounts* counts) {

@@ -16,6 +16,8 @@ typedef struct TrialLeaves {
   int64_t* frameTrial;            /* the trial in which frameInTrial was set */
   const LeafFrame** frameInTrial; /* one of the two above */
   const ctLeafPositions* statePositions;
+  bool isPeriodic; /* at the last refresh */
+  double box[3][3];
 
   /* The last trial that was asked about. */
   int64_t trial;

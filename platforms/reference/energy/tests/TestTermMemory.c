@@ -23,10 +23,10 @@ int main(void) {
   static const ctOperation operation = {ctInputOperator, {0, 0, 0}, 0};
   static const ctExpression expression = {1, &input, 1, &operation};
   const ctTorsionMap maps[] = {{1, coefficients}, {2, coefficients}};
-  const ctTermSet sets[] = {{ctTorsionMapTerm, 1, 8, particles, 1, numbers, 2, maps, NULL, 0},
-                            {ctPeriodicTorsionTerm, 2, 4, particles, 3, numbers, 0, NULL, NULL, 0},
-                            {ctExpressionTerm, 4, 2, particles, 0, NULL, 0, NULL, &expression, 0},
-                            {ctCentroidTerm, 1, 4, particles, 4, weights, 0, NULL, &expression, 2}};
+  const ctTermSet sets[] = {{ctTorsionMapTerm, 1, 8, particles, 1, numbers, 2, maps, NULL, 0, false},
+                            {ctPeriodicTorsionTerm, 2, 4, particles, 3, numbers, 0, NULL, NULL, 0, false},
+                            {ctExpressionTerm, 4, 2, particles, 0, NULL, 0, NULL, &expression, 0, false},
+                            {ctCentroidTerm, 1, 4, particles, 4, weights, 0, NULL, &expression, 2, false}};
   static const double periodic[] = {1, 2, 3, 4, 5, 6};
   ctTermSet given[4];
   memcpy(given, sets, sizeof sets);
@@ -46,7 +46,7 @@ int main(void) {
     CHECK(hasFailed == (live == before));
     if (terms != NULL) { /* from here on, nothing needs memory */
       failAllocation(0);
-      ctTermsRefresh(terms, smallLeaf(&scene));
+      ctTermsRefresh(terms, smallLeaf(&scene), NULL);
       CHECK(isfinite(ctTermsSum(terms, 0)));
       CHECK(!hasFailed);
       allocationsLeft = -1;

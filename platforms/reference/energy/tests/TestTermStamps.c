@@ -8,7 +8,7 @@ int main(void) {
   static SmallScene scene;
   static const int particles[] = {0, 1, 2, 3, 1, 2, 3, 4};
   static const double parameters[] = {1, 0, 5, 1, 0, 5};
-  static const ctTermSet set = {ctPeriodicTorsionTerm, 2, 4, particles, 3, parameters, 0, NULL, NULL, 0};
+  static const ctTermSet set = {ctPeriodicTorsionTerm, 2, 4, particles, 3, parameters, 0, NULL, NULL, 0, false};
   static const ctPiece pieces[] = {{0, 0}, {3, 1}, {4, 2}};
   static const ctTransform motions[] = {{{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0, 0}},
                                         {{1, 0, 0, 0, 1, 0, 0, 0, 1}, {0, 0.1, 0}},
@@ -18,7 +18,7 @@ int main(void) {
   Terms* terms;
   makeSmallScene(&scene, CT_NULL);
   CHECK_SUCCESS(ctTermsCreate(&scene.definition, 1, &set, scene.slotOf, &terms, text, sizeof text));
-  ctTermsRefresh(terms, smallLeaf(&scene));
+  ctTermsRefresh(terms, smallLeaf(&scene), NULL);
   const TrialView view = {&scene.leaf, 3, pieces, motions, 2, links};
   const double first = ctTermsChange(terms, &view); /* leaves a 1 */
   CHECK(first != 0 && terms->changedCount == 2);

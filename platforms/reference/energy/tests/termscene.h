@@ -47,7 +47,7 @@ static inline void refreshTerms(TermScene* scene) {
   static double positions[3 * MOST_ATOMS];
   ctGetPositions(scene->tree, positions);
   evaluateOracle(&scene->random, positions, scene->values);
-  ctTermsRefresh(scene->terms, ctGetLeaves(scene->tree));
+  ctTermsRefresh(scene->terms, ctGetLeaves(scene->tree), NULL);
 }
 
 /* Makes scene and terms of branches and sets that have been drawn. */

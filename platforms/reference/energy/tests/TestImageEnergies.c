@@ -1,0 +1,346 @@
+/* Energies in periodic boxes, and their changes in trials, against sums over nearest images of the callers' positions
+ * in double. */
+enum { CHAINS = 7, TRIALS = 60 };
+
+#include "../../chaintree/tests/periodic.h"
+#include "ctenergy.h"
+
+enum {
+  PAIRS = PARTICLES / 2,
+  BONDS = CHAINS * (BEADS - 1),
+  ANGLES = CHAINS * (BEADS - 2),
+  TORSIONS = CHAINS * (BEADS - 3)
+};
+
+/* Everything that an energy is made from. */
+typedef struct Model {
+  Scene scene;
+  uint8_t listed[PARTICLES];
+  double charges[PARTICLES];
+  double sigmas[PARTICLES];
+  double epsilons[PARTICLES];
+  int first[PARTICLES];
+  int all[PARTICLES];
+  int bonds[BONDS][2];
+  double bondParameters[BONDS][2];
+  int angles[ANGLES][3];
+  double angleParameters[ANGLES][2];
+  int torsions[TORSIONS][4];
+  double torsionParameters[TORSIONS][3];
+  int pairs[PAIRS][2];
+  double cutoff;
+} Model;
+
+static const ctOperation pairOperations[] = {{ctInputOperator, {0}, 0},       {ctMultiplyConstantOperator, {0}, -3},
+                                             {ctExpOperator, {1}, 0},         {ctParameterOperator, {0}, 0},
+                                             {ctMultiplyOperator, {2, 3}, 0}, {ctParameterOperator, {1}, 0},
+                                             {ctMultiplyOperator, {4, 5}, 0}};
+static const ctOperation squareOfDistance[] = {{ctInputOperator, {0}, 0}, {ctSquareOperator, {0}, 0}};
+static const ctInput distanceInput = {ctMeasureDistance, {0, 1}};
+static const ctExpression squareExpression = {1, &distanceInput, 2, squareOfDistance};
+
+static void fillModel(Model* m, double width) {
+  for (int i = 0; i < PARTICLES; i++) {
+    m->listed[i] = 1;
+    m->charges[i] = drawnBetween(-0.5, 0.5);
+    m->sigmas[i] = drawnBetween(0.01, 0.03);
+    m->epsilons[i] = drawnBetween(0, 0.5);
+    m->first[i] = 2 * i % PARTICLES;
+    m->all[i] = i;
+  }
+  for (int c = 0, bond = 0, angle = 0, torsion = 0; c < CHAINS; c++) {
+    for (int i = c * BEADS; i < (c + 1) * BEADS; i++) {
+      for (int k = 0; k < 2 && i > c * BEADS; k++) {
+        m->bonds[bond][k] = i - k;
+        m->bondParameters[bond][k] = 0.3 + k;
+      }
+      bond += i > c * BEADS;
+      for (int k = 0; k < 3 && i > c * BEADS + 1; k++) {
+        m->angles[angle][k] = i - k;
+        m->angleParameters[angle][k / 2] = 2;
+      }
+      angle += i > c * BEADS + 1;
+      for (int k = 0; k < 4 && i > c * BEADS + 2; k++) {
+        m->torsions[torsion][k] = i - k;
+        m->torsionParameters[torsion][k % 3] = 1 + k % 2;
+      }
+      torsion += i > c * BEADS + 2;
+    }
+  }
+  for (int i = 0; i < PAIRS; i++) { /* of a molecule and of two, also of the rigid body */
+    m->pairs[i][0] = i;
+    m->pairs[i][1] = PARTICLES - 1 - i / 3;
+  }
+  m->cutoff = width / 2;
+}
+
+enum { SETS = 5 };
+
+/* Energies of all kinds by number: nonbonded, a pair set, then term sets. */
+typedef struct Energies {
+  double value[2 + SETS];
+  double size; /* the sum of magnitudes of pairs, more of near ones, whose distances round more */
+} Energies;
+
+static double switched(double r, double from, double to) {
+  const double t = r > from ? (r - from) / (to - from) : 0;
+  return 1 + t * t * t * (-10 + t * (15 - 6 * t));
+}
+
+static double termOf(const ctTermSet* set, int term, const double (*x)[3]) {
+  const double* p = set->parameters + (size_t)term * (size_t)set->parametersPerTerm;
+  double d[3][3] = {{0}};
+  double normal[2][3] = {{0}};
+  for (int k = 0; k < set->particlesPerTerm - 1; k++) {
+    for (int i = 0; i < 3; i++) {
+      d[k][i] = x[k + 1][i] - x[k][i];
+    }
+  }
+  double products[3] = {0, 0, 0}; /* of the first difference with itself, with the next, and of that with itself */
+  for (int i = 0; i < 3; i++) {
+    products[0] += d[0][i] * d[0][i];
+    products[1] -= set->particlesPerTerm > 2 ? d[0][i] * d[1][i] : 0;
+    products[2] += set->particlesPerTerm > 2 ? d[1][i] * d[1][i] : 0;
+  }
+  if (set->kind == ctExpressionTerm) {
+    return products[0];
+  }
+  if (set->particlesPerTerm == 2) {
+    return 0.5 * p[1] * (sqrt(products[0]) - p[0]) * (sqrt(products[0]) - p[0]);
+  }
+  if (set->particlesPerTerm == 3) {
+    const double bend = acos(fmax(-1, fmin(1, products[1] / sqrt(products[0] * products[2])))) - p[0];
+    return 0.5 * p[1] * bend * bend;
+  }
+  for (int k = 0; k < 2; k++) {
+    for (int i = 0; i < 3; i++) {
+      normal[k][i] = d[k][(i + 1) % 3] * d[k + 1][(i + 2) % 3] - d[k][(i + 2) % 3] * d[k + 1][(i + 1) % 3];
+    }
+  }
+  double cosine = 0;
+  double sine = 0;
+  for (int i = 0; i < 3; i++) {
+    cosine += normal[0][i] * normal[1][i];
+    sine += d[0][i] * normal[1][i] * sqrt(products[2]);
+  }
+  return p[2] * (1 + cos(p[0] * atan2(sine, cosine) - p[1]));
+}
+
+static void computeEnergies(const Model* m, const ctEnergyDefinition* d, const double (*box)[3],
+                            const double* positions, Energies* energies) {
+  *energies = (Energies){{0}, 0};
+  const double c = m->cutoff;
+  const double k = (d->nonbonded->dielectric - 1) / (2 * d->nonbonded->dielectric + 1) / (c * c * c);
+  const double shift = 3 * d->nonbonded->dielectric / (2 * d->nonbonded->dielectric + 1) / c;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      int n[3];
+      nearestImage(positions, i, j, box, n);
+      const double r = (double)imageDistance(positions, i, j, box, n);
+      if (isExcluded(&m->scene, i, j) || r >= c) {
+        continue;
+      }
+      const double ratio = pow((m->sigmas[i] + m->sigmas[j]) / 2 / r, 6);
+      const double lennardJones = 4 * sqrt(m->epsilons[i] * m->epsilons[j]) * (ratio * ratio - ratio) *
+                                  switched(r, d->nonbonded->switchingDistance, c);
+      const double coulomb = CT_COULOMB * m->charges[i] * m->charges[j] * (1 / r + k * r * r - shift);
+      energies->value[0] += lennardJones + coulomb;
+      energies->size += (fabs(lennardJones) + fabs(coulomb)) * (1 + 1 / r);
+      if ((i % 2 == 0 || j % 2 == 0) && r < d->pairSets[0].cutoff) {
+        energies->value[1] += exp(-3 * r) * m->charges[i] * m->charges[j];
+      }
+    }
+  }
+  for (int s = 0; s < d->termSetCount; s++) {
+    const ctTermSet* set = &d->termSets[s];
+    for (int term = 0; term < set->count; term++) {
+      double x[4][3];
+      const int* own = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
+      memcpy(x[0], positions + 3 * (size_t)own[0], sizeof x[0]);
+      for (int p = 1; p < set->particlesPerTerm; p++) {
+        int n[3] = {0, 0, 0};
+        if (set->isPeriodic) {
+          nearestImage(positions, own[p], own[p - 1], box, n);
+        }
+        for (int e = 0; e < 3; e++) {
+          x[p][e] = x[p - 1][e] + (positions[3 * own[p] + e] - positions[3 * own[p - 1] + e]) + n[0] * box[0][e] +
+                    n[1] * box[1][e] + n[2] * box[2][e];
+        }
+      }
+      energies->value[2 + s] += termOf(set, term, (const double(*)[3])x);
+    }
+  }
+}
+
+/* Describes the energy in arrays that are kept by the caller. */
+static ctEnergyDefinition describeEnergy(const Model* m, const ctDefinition* scene, ctNonbonded* nonbonded,
+                                         ctPairSet* pairSet, ctInteractionGroup* group, ctTermSet sets[SETS]) {
+  *nonbonded = (ctNonbonded){.charges = m->charges,
+                             .sigmas = m->sigmas,
+                             .epsilons = m->epsilons,
+                             .cutoff = m->cutoff,
+                             .switchingDistance = 0.7 * m->cutoff,
+                             .dielectric = 60,
+                             .exclusionCount = scene->exclusionCount,
+                             .exclusions = scene->exclusions};
+  *group = (ctInteractionGroup){{PARTICLES, PARTICLES}, {m->first, m->all}};
+  *pairSet = (ctPairSet){.operationCount = 7,
+                         .operations = pairOperations,
+                         .parametersPerParticle = 1,
+                         .parameters = m->charges,
+                         .cutoff = 0.8 * m->cutoff,
+                         .switchingDistance = INFINITY,
+                         .exclusionCount = scene->exclusionCount,
+                         .exclusions = scene->exclusions,
+                         .groupCount = 1,
+                         .groups = group};
+  sets[0] = (ctTermSet){.kind = ctHarmonicBondTerm,
+                        .count = BONDS,
+                        .particlesPerTerm = 2,
+                        .particles = &m->bonds[0][0],
+                        .parametersPerTerm = 2,
+                        .parameters = &m->bondParameters[0][0]};
+  sets[1] = sets[0];
+  sets[1].isPeriodic = true;
+  sets[2] = (ctTermSet){.kind = ctHarmonicAngleTerm,
+                        .count = ANGLES,
+                        .particlesPerTerm = 3,
+                        .particles = &m->angles[0][0],
+                        .parametersPerTerm = 2,
+                        .parameters = &m->angleParameters[0][0],
+                        .isPeriodic = true};
+  sets[3] = (ctTermSet){.kind = ctPeriodicTorsionTerm,
+                        .count = TORSIONS,
+                        .particlesPerTerm = 4,
+                        .particles = &m->torsions[0][0],
+                        .parametersPerTerm = 3,
+                        .parameters = &m->torsionParameters[0][0],
+                        .isPeriodic = true};
+  sets[4] = (ctTermSet){.kind = ctExpressionTerm,
+                        .count = PAIRS,
+                        .particlesPerTerm = 2,
+                        .particles = &m->pairs[0][0],
+                        .expression = &squareExpression,
+                        .isPeriodic = true};
+  return (ctEnergyDefinition){.scene = scene,
+                              .nonbonded = nonbonded,
+                              .pairSetCount = 1,
+                              .pairSets = pairSet,
+                              .termSetCount = SETS,
+                              .termSets = sets};
+}
+
+static void checkEnergies(const ctEnergy* energy, const Energies* expected) {
+  CHECK_NEAR(ctGetPairEnergy(energy), expected->value[0], 1e-4 + 3e-6 * expected->size);
+  CHECK_NEAR(ctGetPairSetEnergy(energy, 0), expected->value[1], 1e-5);
+  for (int s = 0; s < SETS; s++) {
+    CHECK_NEAR(ctGetTermEnergy(energy, s), expected->value[2 + s], 1e-8);
+  }
+}
+
+static void testBox(const double (*box)[3]) {
+  static Model model;
+  static double positions[3 * PARTICLES];
+  ctNonbonded nonbonded;
+  ctPairSet pairSet;
+  ctInteractionGroup group;
+  ctTermSet sets[SETS];
+  char text[200];
+  ctDefinition scene = describeScene(&model.scene, box, 0.1);
+  fillModel(&model, fmin(fmin(box[0][0], box[1][1]), box[2][2]));
+  scene.listed = model.listed;
+  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets);
+  ctChainTree* tree = checkedCreate(&scene);
+  ctEnergy* energy;
+  CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
+  CHECK(ctRefreshEnergy(energy, NULL) == ctSuccess);
+  Energies before;
+  Energies after;
+  ctGetPositions(tree, positions);
+  computeEnergies(&model, &definition, box, positions, &before);
+  checkEnergies(energy, &before);
+  for (int t = 0; t < TRIALS; t++) {
+    ctChange changes[2] = {{0}};
+    const int changeCount = 1 + (drawn() < 0.3);
+    for (int c = 0; c < changeCount; c++) {
+      changes[c].link = t % 4 == 0 ? LINKS - 1 - c * BEADS : ((int)(drawn() * (LINKS / 2)) * 2 + c) % LINKS;
+      const bool turns = model.scene.joints[changes[c].link] != ctFreeJoint || drawn() < 0.7;
+      for (int d = 0; d < 3; d++) {
+        changes[c].rotation[d] = turns ? drawnBetween(-2, 2) : 0;
+        changes[c].translation[d] = drawnBetween(-4, 4);
+        changes[c].pivot[d] = drawnBetween(0, 3);
+      }
+    }
+    double change = 0;
+    CHECK_SUCCESS(ctPropose(tree, changeCount, changes));
+    for (int part = 0; part < CT_ENERGY_PARTS; part++) {
+      double ofPart = NAN;
+      CHECK(ctComputeEnergyChange(energy, (ctEnergyPart)part, &ofPart, NULL) == ctSuccess);
+      change += ofPart;
+    }
+    CHECK_SUCCESS(ctGetTrialPositions(tree, positions));
+    computeEnergies(&model, &definition, box, positions, &after);
+    double expected = 0;
+    for (int e = 0; e < 2 + SETS; e++) {
+      expected += after.value[e] - before.value[e];
+    }
+    CHECK_NEAR(change, expected, 1e-4 + 3e-6 * (before.size + after.size));
+    if (drawn() < 0.6) {
+      CHECK_SUCCESS(ctAccept(tree, NULL));
+      CHECK(ctAcceptEnergyChange(energy) == ctSuccess);
+      before = after;
+    }
+    checkEnergies(energy, &before);
+  }
+  ctDestroyEnergy(energy);
+  ctDestroy(tree);
+}
+
+/* What has no value in a box, and boxes that are too narrow. */
+static void testRefusals(void) {
+  static Model model;
+  static const double narrow[3][3] = {{4, 0, 0}, {0, 5, 0}, {0, 0, 5}};
+  ctNonbonded nonbonded;
+  ctPairSet pairSet;
+  ctInteractionGroup group;
+  ctTermSet sets[SETS];
+  char text[200];
+  ctDefinition scene = describeScene(&model.scene, boxes[0], 0.1);
+  fillModel(&model, 5);
+  scene.listed = model.listed;
+  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets);
+  ctChainTree* tree = checkedCreate(&scene);
+  ctEnergy* energy;
+  sets[4].isPeriodic = false;
+  CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
+  CHECK(ctRefreshEnergy(energy, NULL) == ctInvalidArgument);
+  CHECK(strstr(ctGetEnergyErrorText(energy), "term set 4 has no value") != NULL);
+  CHECK_SUCCESS(ctSetBox(tree, NULL));
+  CHECK(ctRefreshEnergy(energy, NULL) == ctSuccess);
+  ctDestroyEnergy(energy);
+  sets[4].isPeriodic = true;
+  CHECK_SUCCESS(ctSetBox(tree, boxes[0]));
+  CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
+  CHECK(ctRefreshEnergy(energy, NULL) == ctSuccess);
+  CHECK_SUCCESS(ctSetBox(tree, narrow));
+  CHECK(!ctIsEnergyOfState(energy));
+  CHECK(ctRefreshEnergy(energy, NULL) == ctInvalidArgument);
+  CHECK(strstr(ctGetEnergyErrorText(energy), "half the periodic box's width, 2 nm") != NULL);
+  ctDestroyEnergy(energy);
+  const ctInput place = {ctMeasureX, {0}};
+  const ctExpression ofPlace = {1, &place, 2, squareOfDistance};
+  sets[4].expression = &ofPlace;
+  CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
+  CHECK(ctRefreshEnergy(energy, NULL) == ctInvalidArgument);
+  CHECK(strstr(ctGetEnergyErrorText(energy), "or of places") != NULL);
+  ctDestroyEnergy(energy);
+  ctDestroy(tree);
+}
+
+int main(void) {
+  testRefusals();
+  for (int box = 0; box < BOXES; box++) {
+    testBox(boxes[box]);
+  }
+  return checkResult();
+}
