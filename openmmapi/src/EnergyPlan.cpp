@@ -68,7 +68,7 @@ static bool holdsParticlesOf(const Force& force, const StericExclusionForce& ste
     return true;
 }
 
-EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
+EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context), isPeriodic(false)
 {
     const System& system = context.getSystem();
     for (int i = 0; i < system.getNumForces(); i++) {
@@ -76,6 +76,7 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context)
         forces.push_back(&force);
         classNames.push_back(getClassName(force));
         isSteric.push_back(dynamic_cast<const StericExclusionForce*>(&force) != NULL);
+        isPeriodic = isPeriodic || (isSteric.back() && force.usesPeriodicBoundaryConditions());
         hasNoEnergy.push_back(dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
                               dynamic_cast<const AndersenThermostat*>(&force) != NULL || isBarostat(force));
         entries.push_back({force.getName(), findGroups(force), None, ""});
@@ -210,7 +211,8 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative)
         return set(Foreign, "native energies are switched off");
     if (!copies[index])
         return set(Foreign, "openmm-chaintree has no code for a " + classNames[index]);
-    const string reason = translateForce(*copies[index], index, context.getSystem(), context.getParameters(), terms);
+    const string reason =
+        translateForce(*copies[index], index, context.getSystem(), context.getParameters(), terms, isPeriodic);
     if (!reason.empty())
         return set(Foreign, reason);
     set(Native, "openmm-chaintree evaluates it");
@@ -232,6 +234,24 @@ void EnergyPlan::translate(int groups, bool allowNative, StericMode mode)
             entries[i].kind = mode == TorsionMonteCarloIntegrator::Soft ? Native : None;
             entries[i].reason = describeStericPart(mode, groups);
         }
+}
+
+void EnergyPlan::makeForeign(int index, const string& reason)
+{
+    auto remove = [index](auto& parts) {
+        parts.erase(remove_if(parts.begin(), parts.end(),
+                              [index](auto& part) {
+                                  return part.force == index;
+                              }),
+                    parts.end());
+    };
+    remove(terms.nonbonded);
+    remove(terms.born);
+    remove(terms.pairSets);
+    remove(terms.termSets);
+    remove(terms.valueEnergies);
+    entries[index].kind = Foreign;
+    entries[index].reason = reason;
 }
 
 /**

@@ -212,6 +212,20 @@ public:
         terms.termSets.resize(termSets);
         terms.valueEnergies.resize(valueEnergies);
     }
+    /**
+     * Check that pairs that were appended since are of a periodic scene. Returns an empty text, or else why not.
+     */
+    string checkImages(const EnergyTerms& terms) const
+    {
+        if (terms.born.size() > born || terms.valueEnergies.size() > valueEnergies)
+            return "in a periodic box openmm-chaintree has no code for energies of values";
+        bool arePeriodic = true;
+        for (size_t i = nonbonded; i < terms.nonbonded.size(); i++)
+            arePeriodic = arePeriodic && terms.nonbonded[i].periodic;
+        for (size_t i = pairSets; i < terms.pairSets.size(); i++)
+            arePeriodic = arePeriodic && terms.pairSets[i].periodic;
+        return arePeriodic ? "" : "its pairs have no periodic images, but the StericExclusionForce counts images";
+    }
     const size_t nonbonded, born, pairSets, termSets, valueEnergies;
 };
 
@@ -233,16 +247,22 @@ string ChainTreePlugin::getClassName(const Force& force)
  * Append the energy of a Force to the terms. Returns an empty text, or else why it cannot; then the terms may be
  * incomplete.
  */
-static string append(const Force& force, int index, const System& system, const NativeForceKind::Parameters& parameters,
-                     EnergyTerms& terms)
+static string append(const Force& force, const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
+    const System& system = setting.system;
     const NativeForceKind* kind = NativeForceKind::find(force);
     if (kind == NULL)
         return "openmm-chaintree has no code for a " + getClassName(force);
     const Size before(terms);
-    string reason = kind->translate(force, {index, system, parameters}, terms);
-    if (reason.empty() && force.usesPeriodicBoundaryConditions())
+    string reason = kind->translate(force, setting, terms);
+    const bool isPeriodic = force.usesPeriodicBoundaryConditions();
+    if (reason.empty() && isPeriodic && !setting.isPeriodic)
         reason = "it uses periodic boundary conditions";
+    for (size_t i = before.termSets; i < terms.termSets.size(); i++)
+        if (terms.termSets[i].kind != ctExceptionTerm)
+            terms.termSets[i].periodic = isPeriodic;
+    if (reason.empty() && setting.isPeriodic)
+        reason = before.checkImages(terms);
     auto checkNew = [&](auto& parts, size_t first) {
         for (size_t i = first; i < parts.size() && reason.empty(); i++)
             reason = check(parts[i], system.getNumParticles());
@@ -256,12 +276,13 @@ static string append(const Force& force, int index, const System& system, const 
 }
 
 string ChainTreePlugin::translateForce(const Force& force, int index, const System& system,
-                                       const NativeForceKind::Parameters& parameters, EnergyTerms& terms)
+                                       const NativeForceKind::Parameters& parameters, EnergyTerms& terms,
+                                       bool isPeriodic)
 {
     const Size before(terms);
     string reason;
     try {
-        reason = append(force, index, system, parameters, terms);
+        reason = append(force, {index, system, parameters, isPeriodic}, terms);
     }
     catch (const bad_alloc&) {
         throw;

@@ -55,6 +55,7 @@ public:
         described.maps = maps.data();
         described.expression = set.operations.empty() ? NULL : &expression;
         described.groupsPerTerm = set.groupsPerTerm;
+        described.isPeriodic = set.periodic;
         return described;
     }
 
@@ -294,19 +295,39 @@ void SceneEnergy::check(ctStatus status) const
         fail(ctGetEnergyErrorText(energy.get()));
 }
 
+/**
+ * Call a function with the library's energy, or one that is made for it if the scene has no positions.
+ */
+template <class FUNCTION>
+void SceneEnergy::inspect(FUNCTION function)
+{
+    if (scene.tree) {
+        function(require());
+        return;
+    }
+    const vector<Vec3> positions(scene.definition.getNumParticles());
+    SceneDefinition withoutBox(scene.definition);
+    withoutBox.isPeriodic = false;
+    const Scene::Tree tree = Scene::createTree(withoutBox, positions);
+    function(create(tree.get(), withoutBox.describe(positions)).get());
+}
+
 void SceneEnergy::countChangeableTerms(vector<int>& counts)
 {
-    vector<Vec3> positions;
-    Scene::Tree tree;
-    Handle counted;
-    if (!scene.tree) {
-        positions.resize(scene.definition.getNumParticles());
-        tree = Scene::createTree(scene.definition, positions);
-        counted = create(tree.get(), scene.definition.describe(positions));
-    }
     counts.resize(terms.termSets.size());
-    for (size_t i = 0; i < counts.size(); i++)
-        counts[i] = ctCountChangeableTerms(counted ? counted.get() : require(), i);
+    inspect([&](const ctEnergy* energy) {
+        for (size_t i = 0; i < counts.size(); i++)
+            counts[i] = ctCountChangeableTerms(energy, i);
+    });
+}
+
+int SceneEnergy::findUnboxedTerms()
+{
+    int set;
+    inspect([&](const ctEnergy* energy) {
+        set = ctFindUnboxedTerms(energy);
+    });
+    return set;
 }
 
 // ---- The state ----
@@ -324,6 +345,9 @@ void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<do
 {
     const ctEnergy* energy = require();
     pairs = ctGetPairEnergy(energy);
+    double box[3][3];
+    if (!terms.nonbonded.empty() && ctGetBox(scene.tree.get(), box))
+        pairs += terms.nonbonded[0].dispersion / (box[0][0] * box[1][1] * box[2][2]);
     pairSets.resize(terms.pairSets.size());
     for (size_t i = 0; i < pairSets.size(); i++)
         pairSets[i] = ctGetPairSetEnergy(energy, i);

@@ -53,14 +53,17 @@ static vector<string> getNames(const CustomNonbondedForce& force)
     return names;
 }
 
-static string translateMethod(const CustomNonbondedForce& force, EnergyTerms::PairSet& set)
+static string translateMethod(const CustomNonbondedForce& force, bool isPeriodic, EnergyTerms::PairSet& set)
 {
     const CustomNonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
     set.cutoff = set.switchingDistance = numeric_limits<double>::infinity();
     if (method == CustomNonbondedForce::NoCutoff)
         return "";
-    if (method != CustomNonbondedForce::CutoffNonPeriodic)
+    set.periodic = isPeriodic && method == CustomNonbondedForce::CutoffPeriodic;
+    if (method != CustomNonbondedForce::CutoffNonPeriodic && !set.periodic)
         return "its cutoff is periodic";
+    if (set.periodic && force.getUseLongRangeCorrection())
+        return "openmm-chaintree has no code for its long-range correction";
     set.cutoff = force.getCutoffDistance();
     set.switchingDistance = force.getUseSwitchingFunction() ? force.getSwitchingDistance() : set.cutoff;
     if (!(set.cutoff > 0 && isfinite(set.cutoff) && isfinite(set.switchingDistance)))
@@ -179,7 +182,7 @@ static string translateCustomNonbonded(const CustomNonbondedForce& force, const 
     EnergyTerms::PairSet set;
     set.force = setting.index;
     const Variables globals = getGlobals(force, setting.parameters);
-    string reason = translateMethod(force, set);
+    string reason = translateMethod(force, setting.isPeriodic, set);
     if (!reason.empty())
         return reason;
     const TabulatedFunctions functions(force);

@@ -1,3 +1,4 @@
+#include "openmm/internal/NonbondedForceImpl.h"
 #include "openmm/NonbondedForce.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include <cmath>
@@ -108,9 +109,10 @@ static string translateNonbonded(const NonbondedForce& force, const NativeForceK
                                  EnergyTerms& terms)
 {
     const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
-    if (method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic)
+    const bool isPeriodic = setting.isPeriodic && method == NonbondedForce::CutoffPeriodic;
+    if (method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic && !isPeriodic)
         return describeMethod(method);
-    if (force.getExceptionsUsePeriodicBoundaryConditions())
+    if (force.getExceptionsUsePeriodicBoundaryConditions() && !isPeriodic)
         return "its exceptions use periodic boundary conditions";
     if (!force.getIncludeDirectSpace())
         return "its direct space is left out";
@@ -121,7 +123,10 @@ static string translateNonbonded(const NonbondedForce& force, const NativeForceK
     nonbonded.cutoff = numeric_limits<double>::infinity();
     nonbonded.switchingDistance = nonbonded.cutoff;
     nonbonded.dielectric = 1;
-    if (method == NonbondedForce::CutoffNonPeriodic) {
+    nonbonded.periodic = isPeriodic;
+    if (isPeriodic && force.getUseDispersionCorrection())
+        nonbonded.dispersion = NonbondedForceImpl::calcDispersionCorrection(setting.system, force);
+    if (method == NonbondedForce::CutoffNonPeriodic || isPeriodic) {
         nonbonded.cutoff = force.getCutoffDistance();
         nonbonded.switchingDistance =
             force.getUseSwitchingFunction() ? force.getSwitchingDistance() : force.getCutoffDistance();
@@ -131,6 +136,7 @@ static string translateNonbonded(const NonbondedForce& force, const NativeForceK
             return "its cutoff, switching distance or dielectric makes no sense";
     }
     EnergyTerms::TermSet exceptions = createTermSet(setting.index, ctExceptionTerm, 2, 3);
+    exceptions.periodic = force.getExceptionsUsePeriodicBoundaryConditions();
     string reason = translateParticles(force, setting.parameters, nonbonded);
     if (reason.empty())
         reason = translateExceptions(force, setting.parameters, nonbonded, exceptions);

@@ -71,6 +71,10 @@ public:
      */
     void translate(int groups, bool allowNative, StericMode mode);
     /**
+     * Leave a native Force to OpenMM.
+     */
+    void makeForeign(int index, const std::string& reason);
+    /**
      * Get the spheres that test trials with the steric mode Off; none if every overlap may have a low energy.
      *
      * @param groups  the force groups that have a part in U, as a bit mask
@@ -145,6 +149,8 @@ private:
     std::string describeStericPart(StericMode mode, int groups) const;
     int findReplacement(int groups) const;
     const OpenMM::ContextImpl& context;
+    /** Whether the StericExclusionForce was periodic when the plan was made, as the scene is. */
+    bool isPeriodic;
     /** The Forces when the plan was made. Some may have been removed since. */
     std::vector<const OpenMM::Force*> forces;
     /** The copies of Forces of native kinds, and the class names of all others. */

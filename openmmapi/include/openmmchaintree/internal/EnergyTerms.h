@@ -31,6 +31,8 @@ public:
         std::vector<ctOperation> operations;
         /** 0 but for ctCentroidTerm. */
         int groupsPerTerm = 0;
+        /** Whether differences of positions are those of nearest images. */
+        bool periodic = false;
     };
     /** Lennard-Jones and Coulomb between all particles. */
     struct Nonbonded {
@@ -40,6 +42,9 @@ public:
         double cutoff;
         double switchingDistance, dielectric;
         std::vector<std::array<int, 2>> exclusions;
+        bool periodic = false;
+        /** The long-range correction times the volume of the box, kJ/mol nm^3. */
+        double dispersion = 0;
     };
     /** A function by a table; see ctTable. */
     struct TableFunction {
@@ -63,6 +68,7 @@ public:
         double switchingDistance;
         std::vector<std::array<int, 2>> exclusions;
         std::vector<InteractionGroup> groups;
+        bool periodic = false;
     };
     /** Generalized Born solvation. */
     struct Born {

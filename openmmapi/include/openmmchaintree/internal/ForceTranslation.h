@@ -32,12 +32,13 @@ class OPENMM_EXPORT_CHAINTREE NativeForceKind {
 public:
     /** The values of the Context's parameters, by name. */
     typedef std::map<std::string, double> Parameters;
-    /** The index of a Force in its System, the System, and the Context's parameters. */
+    /** The index of a Force in its System, the System, the Context's parameters, and whether the scene is periodic. */
     class Setting {
     public:
         const int index;
         const OpenMM::System& system;
         const Parameters& parameters;
+        const bool isPeriodic;
     };
     /** Some energies need a NonbondedForce, which is translated before them. */
     enum Need { NeedsNothing, NeedsPairs };
@@ -84,11 +85,13 @@ OPENMM_EXPORT_CHAINTREE std::string getClassName(const OpenMM::Force& force);
  * @param system        the System
  * @param parameters    the values of the Context's parameters
  * @param terms         the energy is appended to these
+ * @param isPeriodic    whether the scene that evaluates them is periodic
  * @return an empty text, or else one clause that says why OpenMM has to evaluate this Force; then the terms do not
  *         change. This is no error for any Force
  */
 OPENMM_EXPORT_CHAINTREE std::string translateForce(const OpenMM::Force& force, int index, const OpenMM::System& system,
-                                                   const NativeForceKind::Parameters& parameters, EnergyTerms& terms);
+                                                   const NativeForceKind::Parameters& parameters, EnergyTerms& terms,
+                                                   bool isPeriodic = false);
 
 // Shared by translators.
 

@@ -27,7 +27,7 @@ public:
      * Makes another scene of the same structure, without a state.
      */
     typedef std::function<std::unique_ptr<Scene>()> SceneMaker;
-    NativeEnergyCheck(const OpenMM::ContextImpl& context, const EnergyPlan& plan, const SceneMaker& makeScene);
+    NativeEnergyCheck(OpenMM::ContextImpl& context, const EnergyPlan& plan, const SceneMaker& makeScene);
     /**
      * Throw an exception if the energy of a Force differs from OpenMM's by more than the accuracy of both.
      *
@@ -53,7 +53,7 @@ private:
                      const std::vector<double>& energies) const;
     bool sayMuch(const std::vector<Result>& results) const;
     void checkGroups(const std::vector<Result>& results, const GroupEnergy& groupEnergy) const;
-    const OpenMM::ContextImpl& context;
+    OpenMM::ContextImpl& context;
     const EnergyPlan& plan;
     const SceneMaker makeScene;
 };
