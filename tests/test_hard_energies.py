@@ -100,8 +100,7 @@ def test_positions_that_are_no_numbers(value):
 def test_start_on_top_of_each_other_is_left():
     """An infinite energy is one that a state can have, as in OpenMM, but no trial comes to it."""
     chain = Chain()
-    chain.addParticle(0.3)
-    chain.positions = np.vstack([chain.positions, chain.positions[7]])
+    chain.positions[11] = chain.positions[7]
     chain.system.addForce(chain.pairs)
     run = chain.run()
     assert run.energy == np.inf == Reference(run.system).energy(run.positions)
@@ -114,10 +113,9 @@ def test_start_on_top_of_each_other_is_left():
 def test_start_on_top_of_an_opposite_charge_names_the_force(epsilon):
     """Without Lennard-Jones, the energy is minus infinity; with it, it is no number."""
     chain = Chain()
-    chain.addParticle()
-    chain.pairs.setParticleParameters(LENGTH, 0.3, 0.25, epsilon)
+    chain.pairs.setParticleParameters(11, 0.3, 0.25, epsilon)
     chain.pairs.setParticleParameters(6, -0.3, 0.25, epsilon)
-    chain.positions = np.vstack([chain.positions, chain.positions[6]])
+    chain.positions[11] = chain.positions[6]
     chain.pairs.setName("pairs of beads")
     chain.system.addForce(chain.pairs)
     assert not Reference(chain.system).energy(chain.positions) > -np.inf

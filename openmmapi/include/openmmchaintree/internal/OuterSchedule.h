@@ -87,7 +87,7 @@ private:
     bool measuring;
     /** The number of increases of the number of trials, and the number of trials. */
     int level, trials;
-    /** Of each energy, and of the sum of those that tests decide about. */
+    /** Of each energy, and of the sum of those about which tests decide. */
     std::vector<Spread> spreads;
     Spread whole;
 };
