@@ -74,7 +74,7 @@ class StageStatistics(NamedTuple):
 
 
 class OuterStatistics(NamedTuple):
-    """The numbers of outer tests, of those that kept their trials, and of undone trials; the differences (kJ/mol)."""
+    """The numbers of outer tests, of accepted ones, and of undone trials; the differences (kJ/mol)."""
 
     attempted: int
     accepted: int

@@ -262,7 +262,7 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
  */
 void StericExclusionForceImpl::showState(ContextImpl& context, Scene& shown)
 {
-    // A platform may round positions, so agreedPositions are those that the Context returns, or empty if this fails.
+    // A platform may round positions, so agreedPositions are what the Context returns, or empty if this fails.
 
     agreedPositions.clear();
     setContextPositions(context, shown.followState());

@@ -16,7 +16,7 @@ Closures: TypeAlias = str | Iterable[str | tuple[int, int]]
 
 
 class BondGraph(BondSearch):
-    """The bonds of a BondSearch without those that are cut, and without closures, which are listed apart.
+    """The bonds of a BondSearch that are not cut, without closures, which are listed apart.
 
     Attributes
     ----------

@@ -4,7 +4,7 @@
 
 #include "ctenergy.h"
 
-/* The molecule of each of the caller's links: 0 of those that are not shifted, else the number after that of its root,
+/* The molecule of each of the caller's links: 0 if it is not shifted, else the number after that of its root,
  * a link with a free joint on the world. NULL if there is no memory. O(links). */
 int* ctFindMolecules(const ctDefinition* scene);
 

@@ -608,13 +608,22 @@ static bool testImageOfMovers(Traversal* t, Visit* visit, const Movers* image, c
 
 /* Tests an image of movers against all slots. False ends the search. */
 static bool testImage(Traversal* t, Visit* visit, const Movers* movers, int count, Movers* image, int begin, int end) {
+  image->box = boxOfMovers(&image->block);
   /* One of two opposite images suffices where both slots move. */
   for (int i = 0; i < count && isFirstOfOpposite(t->image->n); i++) {
-    if (!testImageOfMovers(t, visit, image, &movers[i])) {
+    if (nearBoxOfMovers(&movers[i].block, &image->box, visit->reach) != 0 &&
+        !testImageOfMovers(t, visit, image, &movers[i])) {
       return false;
     }
   }
-  return testStatic(t, visit, image, begin, end);
+  for (int leaf = image->firstLeaf; leaf <= image->lastLeaf; leaf++) {
+    const unsigned slots = ~slotBits(begin, end, leaf * TREE_WIDTH);
+    if ((nearBoxOfMovers(worldOf(t->world, leaf), &image->box, visit->reach) & slots) != 0 &&
+        !testLeaf(t, visit, image, leaf, slots)) {
+      return false;
+    }
+  }
+  return testStaticLeaves(t, visit, image);
 }
 
 static void shiftMovers(const Movers* movers, const double shift[3], Movers* image) {
