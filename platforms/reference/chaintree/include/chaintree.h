@@ -359,11 +359,12 @@ int ctGetTrialLinks(ctChainTree* tree, const int** links);
  * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but
  * the trial and the state. No two particles within the cutoff are lost to rounding: boxes are a little larger than
  * their particles need, by less than 1e-6 of their distance from the middle of the reference positions, in images by
- * less than 1e-5 of the scene's size. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces; only those of leaves in these pairs are
- * right. The arrays belong to the scene, and stay until the next call or the end of the trial. In a periodic box there
- * is a pair for each image that is near, also of leaves of one body that turns. For a turned side chain O(log N +
- * pairs), otherwise up to O(N + pairs). Errors: no trial; a cutoff that is not positive or, in a periodic box, is more
- * than half its width; a molecule that reaches over more than CT_MOST_IMAGE boxes; no memory. */
+ * less than 1e-5 of the scene's size. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces;
+ * only those of leaves in these pairs are right. The arrays belong to the scene, and stay until the next call or the
+ * end of the trial. In a periodic box there is a pair for each image that is near, also of leaves of one body that
+ * turns. For a turned side chain O(log N + pairs), otherwise up to O(N + pairs). Errors: no trial; a cutoff that is not
+ * positive or, in a periodic box, is more than half its width; a molecule that reaches over more than CT_MOST_IMAGE
+ * boxes; no memory. */
 ctStatus ctGetChangedLeafPairs(ctChainTree* tree, double cutoff, size_t* count, const ctLeafPair** pairs,
                                const ctLeafPositions** positions, ctCounts* counts);
 

@@ -365,7 +365,8 @@ void ctDestroyEnergy(ctEnergy* energy);
 const char* ctGetEnergyErrorText(const ctEnergy* energy);
 
 /* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. 0
- * if there is no such set. With isPeriodic, all count: a turn changes a term that is longer than half the box's width. */
+ * if there is no such set. With isPeriodic, all count: a turn changes a term that is longer than half the box's width.
+ */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
 
 /* The first term set that has no value in a periodic box, see above; CT_NULL: all have. */
