@@ -316,7 +316,7 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]) {
   const Sequence* s = &tree->sequence;
   const int particles = ctTreeSum(ctSceneTree(tree), s, own, sequenceEnd(s, own), centroid);
   double shift[3];
-  ctSequenceShift(s, sequenceBranch(s, own), shift);
+  ctSequenceLinkShift(s, own, shift);
   for (int k = 0; k < 3; k++) {
     centroid[k] = s->worldOrigin[k] + centroid[k] / particles - shift[k];
   }
@@ -342,8 +342,8 @@ static Frame relativeFrame(const Tree* tree, const Sequence* s, int a, int b) {
     const Frame own = ctTreeRelative(tree, s, 0, a);
     double shiftA[3];
     double shiftB[3];
-    ctSequenceShift(s, sequenceBranch(s, a), shiftA);
-    ctSequenceShift(s, sequenceBranch(s, b), shiftB);
+    ctSequenceLinkShift(s, a, shiftA);
+    ctSequenceLinkShift(s, b, shiftB);
     double apart[3];
     subtract(shiftA, shiftB, apart);
     rotateBack(&own, apart, apart);

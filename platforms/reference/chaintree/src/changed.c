@@ -60,13 +60,7 @@ static double nearestDistance(ctChainTree* tree, int slotA, int slotB) {
   if (!tree->sequence.box.isPeriodic) {
     return canonicalDistance(tree, slotA, slotB);
   }
-  double a[3];
-  double b[3];
-  double apart[3];
-  ctTreeSlotInWorld(ctSceneTree(tree), slotA, a);
-  ctTreeSlotInWorld(ctSceneTree(tree), slotB, b);
-  subtract(a, b, apart);
-  const Image image = ctNearestImage(&tree->sequence.box, apart);
+  const Image image = ctSceneNearestImage(tree, slotA, slotB);
   tree->traversal.image = isImage(&image) ? &image : NULL;
   const double distance = canonicalDistance(tree, slotA, slotB);
   tree->traversal.image = NULL;

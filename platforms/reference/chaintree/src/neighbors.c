@@ -17,13 +17,8 @@ static bool isNearestImage(ctChainTree* tree, int slotA, int slotB) {
   }
   const int* particle = tree->sequence.slotParticle;
   const Image* image = tree->traversal.image;
-  double x[2][3];
-  double apart[3];
   const bool isAFirst = particle[slotA] < particle[slotB];
-  ctTreeSlotInWorld(ctSceneTree(tree), isAFirst ? slotA : slotB, x[0]);
-  ctTreeSlotInWorld(ctSceneTree(tree), isAFirst ? slotB : slotA, x[1]);
-  subtract(x[0], x[1], apart);
-  const Image nearest = ctNearestImage(&tree->sequence.box, apart);
+  const Image nearest = ctSceneNearestImage(tree, isAFirst ? slotA : slotB, isAFirst ? slotB : slotA);
   for (int k = 0; k < 3; k++) {
     if (nearest.n[k] != (image == NULL ? 0 : isAFirst ? image->n[k] : -image->n[k])) {
       return false;

@@ -75,6 +75,17 @@ ctStatus ctCheckCutoff(ctChainTree* scene, double cutoff) {
   return ctSuccess;
 }
 
+Image ctSceneNearestImage(ctChainTree* scene, int slotA, int slotB) {
+  const Tree* tree = ctSceneTree(scene);
+  double a[3];
+  double b[3];
+  double apart[3];
+  ctTreeSlotInWorld(tree, slotA, a);
+  ctTreeSlotInWorld(tree, slotB, b);
+  subtract(a, b, apart);
+  return ctNearestImage(&scene->sequence.box, apart);
+}
+
 void ctSceneSearchImages(ctChainTree* scene, double reach, CandidateFunction* function, void* context,
                          ctCounts* counts) {
   if (scene->sequence.box.isPeriodic) {

@@ -81,6 +81,9 @@ double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts);
 bool ctSceneEnterTrial(ctChainTree* scene);
 void ctSceneLeaveTrial(ctChainTree* scene, bool areLeavesKept);
 
+/* The image of slot A that is nearest to slot B, see ctNearestImage. */
+Image ctSceneNearestImage(ctChainTree* scene, int slotA, int slotB);
+
 /* Searches the state's images, if it is periodic, for pairs whose surfaces are within reach of each other. */
 void ctSceneSearchImages(ctChainTree* scene, double reach, CandidateFunction* function, void* context,
                          ctCounts* counts);

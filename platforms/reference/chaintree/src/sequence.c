@@ -57,6 +57,10 @@ bool ctSequenceIsWrapped(const Sequence* s) {
   return false;
 }
 
+void ctSequenceLinkShift(const Sequence* s, int link, double shift[3]) {
+  ctSequenceShift(s, s->box.isPeriodic ? sequenceBranch(s, link) : CT_NULL, shift);
+}
+
 void ctJointWrap(const Sequence* s, JointState* joint, double shift[3]) {
   double* position = joint->placement.position;
   double left[3] = {position[0], position[1], position[2]};
@@ -84,7 +88,7 @@ static void restPosition(const Sequence* s, int link, double position[3]) {
   sequenceOffset(s, link, position);
   if (isWrapped(s, link)) {
     double shift[3];
-    ctSequenceShift(s, sequenceBranch(s, link), shift);
+    ctSequenceLinkShift(s, link, shift);
     add(position, shift);
   }
 }

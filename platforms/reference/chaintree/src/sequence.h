@@ -161,6 +161,9 @@ void ctJointWrap(const Sequence* sequence, JointState* joint, double shift[3]);
 /* The shift of a branch of the world from where callers have it: 0 without a box. */
 void ctSequenceShift(const Sequence* sequence, int branch, double shift[3]);
 
+/* The same of the branch that a link is in. Looks for the branch only if there is a box. */
+void ctSequenceLinkShift(const Sequence* sequence, int link, double shift[3]);
+
 /* True if some branch of the world is shifted from where callers have it. O(branches). */
 bool ctSequenceIsWrapped(const Sequence* sequence);
 

@@ -127,7 +127,7 @@ CT_NOINLINE void moveFreely(TrialChange* change, const Sequence* s, World* w, Fr
   rotationFromQuaternion(turn, motion);
   double pivot[3];
   double wrapped[3];
-  ctSequenceShift(s, sequenceBranch(s, change->link), wrapped);
+  ctSequenceLinkShift(s, change->link, wrapped);
   subtract(given->pivot, s->worldOrigin, pivot);
   add(pivot, wrapped);
   transformAbout(pivot, motion);

@@ -492,9 +492,8 @@ CT_INLINE bool testNearSlots(Traversal* t, Visit* visit, const Movers* movers, c
   return true;
 }
 
-/* Tests movers against leaves in which nothing moves. False ends the search. */
+/* Tests movers, which have their box, against leaves in which nothing moves. False ends the search. */
 static bool testStaticLeaves(Traversal* t, Visit* visit, Movers* movers) {
-  movers->box = boxOfMovers(&movers->block);
   if (t->testsToBoxes == 0) {
     limitBoxes(t, visit->reach, movers);
   }
@@ -519,6 +518,7 @@ static bool testStatic(Traversal* t, Visit* visit, Movers* movers, int begin, in
       return false;
     }
   }
+  movers->box = boxOfMovers(&movers->block);
   return testStaticLeaves(t, visit, movers);
 }
 
@@ -572,9 +572,9 @@ void CT_WIDE(traverseProbe)(Traversal* t, const View* view, const double point[3
   store16(probe.block.y, all16((float)point[1]));
   store16(probe.block.z, all16((float)point[2]));
   store16(probe.block.r, blend16(probe.bits, all16(-INFINITY), all16((float)radius)));
+  probe.box = boxOfMovers(&probe.block);
   const int root = treeRoot(t->tree);
   if (treeTop(t->tree) == 0) {
-    probe.box = boxOfMovers(&probe.block);
     testNearSlots(t, &visit, &probe, &root, 1, false);
   } else {
     updateFirst(t, 0, 0);
