@@ -296,20 +296,12 @@ void Scene::setLimits(const vector<pair<int, int>>& pairs, const vector<double>&
 
 // ---- Trials ----
 
-void Scene::propose(const Proposal& proposal)
-{
-    changes.clear();
-    for (const Proposal::Change& proposed : proposal.getChanges())
-        changes.push_back(describe(proposed));
-    check(ctPropose(tree.get(), changes.size(), changes.data()));
-}
-
 /**
- * Get a change in the engine's form.
+ * Write a change in the engine's form.
  */
-ctChange Scene::describe(const Proposal::Change& proposed) const
+void Scene::describe(const Proposal::Change& proposed, ctChange& change) const
 {
-    ctChange change = {};
+    change.pivot[0] = change.pivot[1] = change.pivot[2] = 0;
     if (proposed.kind == Proposal::Torsion)
         change.link = definition.torsionLinks[proposed.index];
     else if (proposed.kind == Proposal::BallJoint)
@@ -323,7 +315,15 @@ ctChange Scene::describe(const Proposal::Change& proposed) const
         change.rotation[i] = proposed.rotation[i];
         change.translation[i] = proposed.translation[i];
     }
-    return change;
+}
+
+void Scene::propose(const Proposal& proposal)
+{
+    const vector<Proposal::Change>& proposed = proposal.getChanges();
+    changes.resize(proposed.size());
+    for (int i = 0; i < (int)proposed.size(); i++)
+        describe(proposed[i], changes[i]);
+    check(ctPropose(tree.get(), changes.size(), changes.data()));
 }
 
 bool Scene::hasTrial() const

@@ -13,9 +13,9 @@ class Proposal {
 public:
     enum Kind { Torsion, BallJoint, Molecule };
     struct Change {
-        Kind kind;
-        int index;
-        double angle;
+        Kind kind = Torsion;
+        int index = 0;
+        double angle = 0;
         OpenMM::Vec3 rotation, translation;
     };
     /**
@@ -23,7 +23,7 @@ public:
      */
     Proposal& addTorsion(int torsion, double change)
     {
-        changes.push_back({Torsion, torsion, change, OpenMM::Vec3(), OpenMM::Vec3()});
+        add(Torsion, torsion).angle = change;
         return *this;
     }
     /**
@@ -31,7 +31,7 @@ public:
      */
     Proposal& addBallRotation(int ballJoint, const OpenMM::Vec3& rotation)
     {
-        changes.push_back({BallJoint, ballJoint, 0, rotation, OpenMM::Vec3()});
+        add(BallJoint, ballJoint).rotation = rotation;
         return *this;
     }
     /**
@@ -39,7 +39,9 @@ public:
      */
     Proposal& addRigidMotion(int molecule, const OpenMM::Vec3& rotation, const OpenMM::Vec3& translation)
     {
-        changes.push_back({Molecule, molecule, 0, rotation, translation});
+        Change& change = add(Molecule, molecule);
+        change.rotation = rotation;
+        change.translation = translation;
         return *this;
     }
     /**
@@ -55,6 +57,16 @@ public:
     }
 
 private:
+    /**
+     * Add a change in place: a processor waits for whole loads of what was just stored in parts, as a copy would do.
+     */
+    Change& add(Kind kind, int index)
+    {
+        Change& change = changes.emplace_back();
+        change.kind = kind;
+        change.index = index;
+        return change;
+    }
     std::vector<Change> changes;
 };
 

@@ -215,7 +215,7 @@ private:
     void setTree(Tree created, std::vector<OpenMM::Vec3> positions);
     void setListed(std::vector<uint8_t> needed);
     void check(ctStatus status) const;
-    ctChange describe(const Proposal::Change& proposed) const;
+    void describe(const Proposal::Change& proposed, ctChange& change) const;
     void readLimits(PairList& pairs, std::vector<double>& limits) const;
     void copyLimits(ctChainTree* created) const;
     ctSelection* prepare(const std::vector<int>& particles, PreparedSet& set) const;
