@@ -1,214 +1,16 @@
 /**
- * This tests native energies in periodic boxes against OpenMM's Reference platform: the plan, and the energy that
- * sampling holds, on one platform.
+ * This tests native energies in periodic boxes: the plan, and the energy that sampling holds for each kind of Force in
+ * each box, against sums over all images and OpenMM's energies, on one platform.
  */
 
-#include "openmm/CustomBondForce.h"
-#include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
-#include "openmm/CustomNonbondedForce.h"
-#include "openmm/HarmonicAngleForce.h"
-#include "openmm/HarmonicBondForce.h"
-#include "openmm/internal/NonbondedForceImpl.h"
-#include "openmm/NonbondedForce.h"
-#include "openmm/PeriodicTorsionForce.h"
-#include "openmm/RBTorsionForce.h"
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmm/VerletIntegrator.h"
-#include "SamplingSupport.h"
-#include <array>
+#include "PeriodicForces.h"
+#include <iomanip>
 #include <memory>
-#include <random>
 
 typedef TorsionMonteCarloIntegrator Sampler;
-typedef array<Vec3, 3> Box;
-
-/** Cubic, flat, a slab, a truncated octahedron, a rhombic dodecahedron, skewed, at the edge of the reduced form, and so
- *  small that a chain meets itself. */
-static const vector<Box> BOXES = {
-    {{Vec3(5, 0, 0), Vec3(0, 5, 0), Vec3(0, 0, 5)}},
-    {{Vec3(6, 0, 0), Vec3(0, 5, 0), Vec3(0, 0, 3)}},
-    {{Vec3(3, 0, 0), Vec3(0, 3, 0), Vec3(0, 0, 20)}},
-    {{Vec3(5, 0, 0), Vec3(5 / 3.0, 4.714045207910317, 0), Vec3(-5 / 3.0, 2.3570226039551585, 4.08248290463863)}},
-    {{Vec3(5, 0, 0), Vec3(0, 5, 0), Vec3(2.5, 2.5, 3.5355339059327378)}},
-    {{Vec3(4, 0, 0), Vec3(1.3, 4.4, 0), Vec3(-1.1, 0.9, 5)}},
-    {{Vec3(4, 0, 0), Vec3(2, 4, 0), Vec3(-2, 2, 4)}},
-    {{Vec3(1.65, 0, 0), Vec3(0, 1.65, 0), Vec3(0, 0, 1.65)}},
-};
-
-static const int LENGTH = 6, NUM_CHAINS = 7, NUM_BEADS = LENGTH * NUM_CHAINS;
-
-/**
- * Chains in a periodic box, and a Force of each kind.
- */
-class PeriodicChains : public BeadChain {
-public:
-    explicit PeriodicChains(const Box& box, bool exceptionsArePeriodic = false, bool spheresArePeriodic = true) :
-        BeadChain(LENGTH, 0.05, 1.0), box(box), width(min(box[0][0], min(box[1][1], box[2][2])))
-    {
-        system.setDefaultPeriodicBoxVectors(box[0], box[1], box[2]);
-        force->setUsesPeriodicBoundaryConditions(spheresArePeriodic);
-        mt19937 random(3);
-        uniform_real_distribution<double> uniform(-3, 3);
-        for (int chain = 1; chain < NUM_CHAINS; chain++)
-            addMolecule(LENGTH, 0.05, 1.0 + chain, Vec3(uniform(random), uniform(random), uniform(random)));
-        addBonded();
-        addNonbonded(exceptionsArePeriodic);
-        addCustomNonbonded();
-    }
-    /**
-     * Compute the energy on the Reference platform, without the StericExclusionForce. In boxes that are not rectangular
-     * its lists of neighbors lack pairs, so pairs are then summed here. Both are the same in rectangular boxes.
-     */
-    double computeEnergy(const State& state) const
-    {
-        unique_ptr<System> copy(XmlSerializer::clone<System>(system));
-        copy->removeForce(0);
-        for (int i = 0; i < copy->getNumForces(); i++)
-            copy->getForce(i).setForceGroup(isPairForce(copy->getForce(i)) ? 1 : 0);
-        VerletIntegrator integrator(0.001);
-        Context context(*copy, integrator, Platform::getPlatform("Reference"));
-        Box vectors;
-        state.getPeriodicBoxVectors(vectors[0], vectors[1], vectors[2]);
-        context.setPeriodicBoxVectors(vectors[0], vectors[1], vectors[2]);
-        context.setPositions(state.getPositions());
-        const double ofPairs = sumPairs(state.getPositions(), vectors);
-        const double onReference = context.getState(State::Energy, false, 2).getPotentialEnergy();
-        if (box[1][0] == 0 && box[2][0] == 0 && box[2][1] == 0)
-            ASSERT(fabs(ofPairs - onReference) <= 1e-7 * (100 + fabs(ofPairs)));
-        return context.getState(State::Energy, false, 1).getPotentialEnergy() + ofPairs;
-    }
-    const Box box;
-    const double width;
-
-private:
-    static bool isPairForce(const Force& force)
-    {
-        return dynamic_cast<const NonbondedForce*>(&force) != NULL ||
-               dynamic_cast<const CustomNonbondedForce*>(&force) != NULL;
-    }
-    static double computeLennardJones(double r, double sigma, double epsilon)
-    {
-        const double sixth = pow(sigma / r, 6);
-        return 4 * epsilon * (sixth * sixth - sixth);
-    }
-    /**
-     * Sum pairs of nearest images: of Lennard-Jones and charges, with their correction, and of the expression.
-     */
-    double sumPairs(const vector<Vec3>& x, const Box& vectors) const
-    {
-        const double coulomb = 138.93545764438198, cutoff = 0.499 * width, from = 0.35 * width, dielectric = 78.3;
-        const double k = (dielectric - 1) / (2 * dielectric + 1) / pow(cutoff, 3);
-        const double c = 3 * dielectric / (2 * dielectric + 1) / cutoff;
-        const NonbondedForce& pairs = dynamic_cast<const NonbondedForce&>(system.getForce(8));
-        double energy = NonbondedForceImpl::calcDispersionCorrection(system, pairs) /
-                        (vectors[0][0] * vectors[1][1] * vectors[2][2]);
-        set<pair<int, int>> excluded;
-        auto reduce = [&](Vec3 apart) {
-            for (int i = 2; i >= 0; i--)
-                apart -= vectors[i] * floor(apart[i] / vectors[i][i] + 0.5);
-            return apart;
-        };
-        for (int i = 0; i < pairs.getNumExceptions(); i++) {
-            int p1, p2;
-            double charges, sigma, epsilon;
-            pairs.getExceptionParameters(i, p1, p2, charges, sigma, epsilon);
-            excluded.insert(make_pair(p1, p2));
-            Vec3 apart = x[p1] - x[p2];
-            if (pairs.getExceptionsUsePeriodicBoundaryConditions())
-                apart = reduce(apart);
-            const double r = sqrt(apart.dot(apart));
-            energy += computeLennardJones(r, sigma, epsilon) + coulomb * charges / r;
-        }
-        for (int i = 0; i < NUM_BEADS; i++)
-            for (int j = 0; j < i; j++) {
-                const Vec3 apart = reduce(x[i] - x[j]);
-                const double r = sqrt(apart.dot(apart));
-                if (r >= cutoff || excluded.count(make_pair(j, i)) != 0)
-                    continue;
-                double charge1, charge2, sigma1, sigma2, epsilon;
-                pairs.getParticleParameters(i, charge1, sigma1, epsilon);
-                pairs.getParticleParameters(j, charge2, sigma2, epsilon);
-                const double t = max(0.0, (r - from) / (cutoff - from));
-                energy += computeLennardJones(r, (sigma1 + sigma2) / 2, epsilon) *
-                              (1 + t * t * t * (-10 + t * (15 - 6 * t))) +
-                          coulomb * charge1 * charge2 * (1 / r + k * r * r - c);
-                if (r < 0.4 * width && (i % 3 != 0 || j % 3 != 0))
-                    energy += 1.5 * (0.2 + 0.1 * (i % 4)) * (0.2 + 0.1 * (j % 4)) * exp(-2 * r);
-            }
-        return energy;
-    }
-    void addBonded()
-    {
-        HarmonicBondForce* bonds[2] = {new HarmonicBondForce(), new HarmonicBondForce()};
-        HarmonicAngleForce* angles = new HarmonicAngleForce();
-        PeriodicTorsionForce* torsions = new PeriodicTorsionForce();
-        RBTorsionForce* ryckaertBellemans = new RBTorsionForce();
-        CustomBondForce* ends = new CustomBondForce("0.1*(r-1)^2");
-        CustomCompoundBondForce* compound = new CustomCompoundBondForce(3, "distance(p1,p3)*angle(p1,p2,p3)");
-        for (int i = 0; i < NUM_BEADS; i++) {
-            const int place = i % LENGTH;
-            for (HarmonicBondForce* force : bonds)
-                if (place > 2)
-                    force->addBond(i, i - 3, 0.9, 5);
-            if (place > 2) {
-                angles->addAngle(i, i - 1, i - 3, 1.5, 3);
-                torsions->addTorsion(i - 3, i - 2, i - 1, i, 2, 0.3, 4);
-                ryckaertBellemans->addTorsion(i - 3, i - 2, i - 1, i, 1, 0.5, -1, 0.3, 0, 0.1);
-            }
-            ends->addBond(i, (i + LENGTH + 1) % NUM_BEADS);
-            if (place > 3)
-                compound->addBond({i, i - 1, (i + 2 * LENGTH) % NUM_BEADS});
-        }
-        bonds[1]->setUsesPeriodicBoundaryConditions(true);
-        for (HarmonicBondForce* force : bonds)
-            system.addForce(force);
-        angles->setUsesPeriodicBoundaryConditions(true);
-        torsions->setUsesPeriodicBoundaryConditions(true);
-        ryckaertBellemans->setUsesPeriodicBoundaryConditions(true);
-        ends->setUsesPeriodicBoundaryConditions(true);
-        compound->setUsesPeriodicBoundaryConditions(true);
-        system.addForce(angles);
-        system.addForce(torsions);
-        system.addForce(ryckaertBellemans);
-        system.addForce(ends);
-        system.addForce(compound);
-    }
-    void addNonbonded(bool exceptionsArePeriodic)
-    {
-        NonbondedForce* pairs = new NonbondedForce();
-        for (int i = 0; i < NUM_BEADS; i++) {
-            pairs->addParticle(i % 2 == 0 ? 0.3 : -0.2, 0.1 + 0.01 * (i % 3), 0.5);
-            for (int j = max(i - i % LENGTH, i - 2); j < i; j++)
-                pairs->addException(j, i, i % 2 == 0 ? 0 : 0.05, 0.1, i % 2 == 0 ? 0 : 0.2);
-        }
-        pairs->setNonbondedMethod(NonbondedForce::CutoffPeriodic);
-        pairs->setCutoffDistance(0.499 * width);
-        pairs->setUseSwitchingFunction(true);
-        pairs->setSwitchingDistance(0.35 * width);
-        pairs->setExceptionsUsePeriodicBoundaryConditions(exceptionsArePeriodic);
-        system.addForce(pairs);
-    }
-    void addCustomNonbonded()
-    {
-        CustomNonbondedForce* pairs = new CustomNonbondedForce("c*a1*a2*exp(-2*r)");
-        pairs->addGlobalParameter("c", 1.5);
-        pairs->addPerParticleParameter("a");
-        set<int> some, all;
-        for (int i = 0; i < NUM_BEADS; i++) {
-            pairs->addParticle({0.2 + 0.1 * (i % 4)});
-            all.insert(i);
-            if (i % 3 != 0)
-                some.insert(i);
-            for (int j = max(i - i % LENGTH, i - 2); j < i; j++)
-                pairs->addExclusion(j, i);
-        }
-        pairs->addInteractionGroup(some, all);
-        pairs->setNonbondedMethod(CustomNonbondedForce::CutoffPeriodic);
-        pairs->setCutoffDistance(0.4 * width);
-        system.addForce(pairs);
-    }
-};
 
 static void addMoves(Sampler& integrator, double width)
 {
@@ -218,41 +20,205 @@ static void addMoves(Sampler& integrator, double width)
     integrator.setTrialsPerStep(40);
 }
 
-static void assertHeldEnergy(const PeriodicChains& chains, const Sampler& integrator, Context& context)
+static void assertNative(const Sampler& integrator, Context& context)
 {
-    const double expected = chains.computeEnergy(context.getState(State::Positions));
-    const double tolerance = getTolerance(context.getPlatform()) > 0 ? 1e-4 : 2e-6;
-    ASSERT(fabs(expected - integrator.getPotentialEnergy(context)) <= tolerance * (100 + fabs(expected)));
+    for (const Sampler::PlannedEnergy& planned : integrator.getEnergyPlan(context))
+        if (planned.force > 0 && planned.kind != Sampler::Native)
+            throw OpenMMException(planned.name + ": " + planned.reason);
 }
 
 /**
- * Sample with all Forces, and with a box that changes.
+ * A Context with copies of the Forces of a System on another platform, without the StericExclusionForce.
  */
-void testEnergiesInBoxes(Platform& platform)
+class OtherContext {
+public:
+    OtherContext(const System& original, const string& platform) :
+        system(XmlSerializer::clone<System>(original)), integrator(0.001)
+    {
+        system->removeForce(0);
+        context = make_unique<Context>(*system, integrator, Platform::getPlatform(platform));
+    }
+    double computeEnergy(const State& state)
+    {
+        Box box;
+        state.getPeriodicBoxVectors(box[0], box[1], box[2]);
+        context->setPeriodicBoxVectors(box[0], box[1], box[2]);
+        context->setPositions(state.getPositions());
+        return context->getState(State::Energy).getPotentialEnergy();
+    }
+
+private:
+    unique_ptr<System> system;
+    VerletIntegrator integrator;
+    unique_ptr<Context> context;
+};
+
+/**
+ * The largest errors of the energies of a kind of Force in a box, as parts of the sum of the magnitudes of all pairs,
+ * or of U if it has no pairs: those that sampling holds, and those of OpenMM's platforms.
+ */
+struct Errors {
+    double held = 0, ofReference = 0, ofCPU = 0;
+};
+
+/**
+ * Sampling with one Force. Its energy is expected to be the sum over all images if it is one of pairs, and else that of
+ * OpenMM's Reference platform.
+ */
+class SampledKind {
+public:
+    SampledKind(const PeriodicKind& kind, const Box& box, Platform& platform) :
+        kind(kind), chains(box), made(kind.make(chains.width)), integrator(300)
+    {
+        chains.system.addForce(made);
+        addMoves(integrator, chains.width);
+        integrator.setTrialsPerStep(200);
+        context = make_unique<Context>(chains.system, integrator, platform);
+        context->setPositions(chains.positions);
+        reference = make_unique<OtherContext>(chains.system, "Reference");
+        setBox(box);
+        assertNative(integrator, *context);
+    }
+    /**
+     * Change the box. OpenMM's CPU platform makes no new list of neighbors if only the box changes.
+     */
+    void setBox(const Box& changed)
+    {
+        box = changed;
+        context->setPeriodicBoxVectors(box[0], box[1], box[2]);
+        if (kind.computePair)
+            cpu = make_unique<OtherContext>(chains.system, "CPU");
+    }
+    void sample(int numSteps)
+    {
+        compare();
+        for (int i = 0; i < numSteps; i++) {
+            integrator.step(1);
+            compare();
+        }
+    }
+    /**
+     * Check that trials were accepted, that molecules have left the box, and that terms are longer than half of it.
+     */
+    void assertMoved() const
+    {
+        for (int move = 0; move < integrator.getNumMoves(); move++)
+            ASSERT(Statistics(integrator, move).accepted > 50);
+        const vector<Vec3> x = getPositions(*context);
+        int numOutside = 0, numLong = 0;
+        for (int i = 0; i < NUM_BEADS; i++) {
+            const vector<int> ends = getTerm(i, 2);
+            numOutside += getDistance(reduce(x[i], box), x[i]) > 1;
+            numLong += getDistance(x[ends[0]], x[ends[1]]) > 0.5 * chains.width;
+        }
+        ASSERT(numOutside > 10 && numLong > 10);
+    }
+    /**
+     * Terms are in double, pairs in single precision, as on OpenMM's CPU platform. Lists of neighbors of the Reference
+     * platform lack pairs where boxes are not rectangular.
+     */
+    void assertSmallErrors() const
+    {
+        const double rounding = getTolerance(context->getPlatform()) > 1e-12 ? 1e-4 : kind.computePair ? 4e-6 : 1e-11;
+        ASSERT(errors.held < rounding);
+        ASSERT(errors.ofCPU < 1e-5);
+        if (isRectangular(box))
+            ASSERT(errors.ofReference < 1e-12);
+    }
+    Errors errors;
+
+private:
+    void compare()
+    {
+        const State state = context->getState(State::Positions);
+        const double held = integrator.getPotentialEnergy(*context), ofReference = reference->computeEnergy(state);
+        double expected = ofReference, size = fabs(ofReference);
+        if (kind.computePair) {
+            expected = sumPairs(kind, state.getPositions(), box, chains.width, size);
+            const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(made);
+            if (nonbonded != NULL)
+                expected += sumBesidePairs(*nonbonded, chains.system, state.getPositions(), box, size);
+            errors.ofCPU = max(errors.ofCPU, fabs(cpu->computeEnergy(state) - expected) / size);
+        }
+        errors.ofReference = max(errors.ofReference, fabs(ofReference - expected) / size);
+        errors.held = max(errors.held, fabs(held - expected) / size);
+    }
+    const PeriodicKind& kind;
+    PeriodicChains chains;
+    Force* made;
+    Sampler integrator;
+    unique_ptr<Context> context;
+    unique_ptr<OtherContext> reference, cpu;
+    Box box;
+};
+
+static void printTable(const string& title, const vector<PeriodicKind>& kinds, const vector<vector<Errors>>& errors,
+                       double Errors::*column)
 {
-    for (const Box& box : BOXES)
-        for (bool exceptionsArePeriodic : {false, true}) {
-            PeriodicChains chains(box, exceptionsArePeriodic);
-            Sampler integrator(300);
-            addMoves(integrator, chains.width);
-            Context context(chains.system, integrator, platform);
-            context.setPositions(chains.positions);
-            for (const Sampler::PlannedEnergy& planned : integrator.getEnergyPlan(context))
-                if (planned.force > 0 && planned.kind != Sampler::Native)
-                    throw OpenMMException(planned.name + ": " + planned.reason);
-            for (int i = 0; i < 10; i++) {
-                assertHeldEnergy(chains, integrator, context);
-                integrator.step(1);
-            }
-            assertHeldEnergy(chains, integrator, context);
-            for (int move = 0; move < integrator.getNumMoves(); move++)
-                ASSERT(Statistics(integrator, move).accepted > 0);
-            context.setPeriodicBoxVectors(box[0] * 1.1, box[1] * 1.1, box[2] * 1.1);
-            for (int i = 0; i < 3; i++) {
-                assertHeldEnergy(chains, integrator, context);
-                integrator.step(1);
+    cout << left << setw(40) << title;
+    for (const NamedBox& box : BOXES)
+        cout << setw(14) << box.name;
+    cout << setprecision(1) << scientific << endl;
+    for (size_t i = 0; i < kinds.size(); i++) {
+        cout << setw(40) << kinds[i].name;
+        for (const Errors& inBox : errors[i])
+            cout << setw(14) << inBox.*column;
+        cout << endl;
+    }
+}
+
+/**
+ * Sample with each kind of Force in each box, also after the box has changed.
+ */
+void testKindsInBoxes(Platform& platform)
+{
+    for (const vector<PeriodicKind>& kinds : {NONBONDED_KINDS, EXPRESSION_KINDS, TERM_KINDS}) {
+        vector<vector<Errors>> errors;
+        for (const PeriodicKind& kind : kinds) {
+            errors.push_back({});
+            for (const NamedBox& box : BOXES) {
+                SampledKind sampled(kind, box.vectors, platform);
+                sampled.sample(10);
+                sampled.assertMoved();
+                sampled.setBox({{box.vectors[0] * 1.1, box.vectors[1] * 1.1, box.vectors[2] * 1.1}});
+                sampled.sample(2);
+                sampled.assertSmallErrors();
+                errors.back().push_back(sampled.errors);
             }
         }
+        printTable("Energies held", kinds, errors, &Errors::held);
+        if (kinds[0].computePair) {
+            printTable("Reference platform", kinds, errors, &Errors::ofReference);
+            printTable("CPU platform", kinds, errors, &Errors::ofCPU);
+        }
+    }
+}
+
+/**
+ * Sample with all kinds of Forces at once.
+ */
+void testForcesTogether(Platform& platform)
+{
+    for (const Box& box : {BOXES[1].vectors, BOXES[7].vectors}) {
+        PeriodicChains chains(box);
+        chains.system.addForce(NONBONDED_KINDS.back().make(chains.width));
+        for (const vector<PeriodicKind>& kinds : {EXPRESSION_KINDS, TERM_KINDS})
+            for (const PeriodicKind& kind : kinds)
+                chains.system.addForce(kind.make(chains.width));
+        Sampler integrator(300);
+        addMoves(integrator, chains.width);
+        Context context(chains.system, integrator, platform);
+        context.setPositions(chains.positions);
+        assertNative(integrator, context);
+        OtherContext reference(chains.system, "Reference");
+        for (int i = 0; i < 10; i++) {
+            integrator.step(1);
+            const double expected = reference.computeEnergy(context.getState(State::Positions));
+            ASSERT(fabs(expected - integrator.getPotentialEnergy(context)) <= 2e-6 * (100 + fabs(expected)));
+        }
+        for (int move = 0; move < integrator.getNumMoves(); move++)
+            ASSERT(Statistics(integrator, move).accepted > 0);
+    }
 }
 
 static void assertForeign(const Sampler& integrator, Context& context, int force, const string& reason)
@@ -268,23 +234,17 @@ static void assertForeign(const Sampler& integrator, Context& context, int force
  */
 void testForeignInBox(Platform& platform)
 {
-    PeriodicChains chains(BOXES[0]);
+    PeriodicChains chains(BOXES[0].vectors);
     System& system = chains.system;
+    system.addForce(NONBONDED_KINDS[0].make(chains.width));
     CustomExternalForce* places = new CustomExternalForce("x^2");
     places->addParticle(3);
     const int external = system.addForce(places);
     HarmonicBondForce* between = new HarmonicBondForce();
     between->addBond(0, LENGTH, 1, 2);
     const int acrossMolecules = system.addForce(between);
-    CustomNonbondedForce* corrected = new CustomNonbondedForce("0.01/r^6");
-    for (int i = 0; i < NUM_BEADS; i++) {
-        corrected->addParticle();
-        for (int j = max(i - i % LENGTH, i - 2); j < i; j++)
-            corrected->addExclusion(j, i);
-    }
-    corrected->setNonbondedMethod(CustomNonbondedForce::CutoffPeriodic);
+    CustomNonbondedForce* corrected = makeCustomNonbonded("0.01/r^6", 1);
     corrected->setUseLongRangeCorrection(true);
-    corrected->setCutoffDistance(1);
     const int withCorrection = system.addForce(corrected);
     int withoutImages = -1;
     if (platform.getName() == "Reference") { // others take no pairs with and without a cutoff
@@ -308,23 +268,55 @@ void testForeignInBox(Platform& platform)
 }
 
 /**
+ * A NonbondedForce without images is foreign if spheres have images, and native if they have none.
+ */
+void testPairsWithoutImages(Platform& platform)
+{
+    for (NonbondedForce::NonbondedMethod method : {NonbondedForce::NoCutoff, NonbondedForce::CutoffNonPeriodic})
+        for (bool spheresArePeriodic : {false, true}) {
+            PeriodicChains chains(BOXES[4].vectors, spheresArePeriodic);
+            NonbondedForce* force = makeNonbonded(1.2);
+            force->setNonbondedMethod(method);
+            chains.system.addForce(force);
+            Sampler integrator(300);
+            addMoves(integrator, chains.width);
+            integrator.setTrialsPerStep(10);
+            Context context(chains.system, integrator, platform);
+            context.setPositions(chains.positions);
+            if (spheresArePeriodic)
+                assertForeign(integrator, context, 1, "no periodic images");
+            else
+                assertNative(integrator, context);
+            OtherContext reference(chains.system, "Reference");
+            integrator.step(5);
+            ASSERT_EQUAL_TOL(reference.computeEnergy(context.getState(State::Positions)),
+                             integrator.getPotentialEnergy(context), 1e-5);
+        }
+}
+
+/**
  * Without images of spheres, periodic Forces are foreign.
  */
 void testSpheresWithoutImages(Platform& platform)
 {
-    PeriodicChains chains(BOXES[0], false, false);
+    PeriodicChains chains(BOXES[0].vectors, false);
+    chains.system.addForce(TERM_KINDS[0].make(chains.width));
+    chains.system.addForce(TERM_KINDS[1].make(chains.width));
+    chains.system.addForce(NONBONDED_KINDS[0].make(chains.width));
     Sampler integrator(300);
     addMoves(integrator, chains.width);
     Context context(chains.system, integrator, platform);
     context.setPositions(chains.positions);
-    assertForeign(integrator, context, 2, "it uses periodic boundary conditions");
-    assertForeign(integrator, context, 8, "its cutoff is periodic");
-    ASSERT_EQUAL(Sampler::Native, integrator.getEnergyPlan(context)[1].kind);
+    assertForeign(integrator, context, 1, "it uses periodic boundary conditions");
+    ASSERT_EQUAL(Sampler::Native, integrator.getEnergyPlan(context)[2].kind);
+    assertForeign(integrator, context, 3, "its cutoff is periodic");
 }
 
 void testPeriodicEnergies(Platform& platform)
 {
-    testEnergiesInBoxes(platform);
+    testKindsInBoxes(platform);
+    testForcesTogether(platform);
     testForeignInBox(platform);
+    testPairsWithoutImages(platform);
     testSpheresWithoutImages(platform);
 }
