@@ -8,8 +8,9 @@ a program, it compares longer runs of the protein: python test_native_sampling.p
 import sys
 
 import numpy as np
+import openmm
 import pytest
-from realsystems import Reference, Run, makeSystem, positionsOf
+from realsystems import Reference, Run, isSteric, makeSystem, positionsOf
 from scipy.stats import chisquare, t
 
 SIGNIFICANCE = 1e-3
@@ -25,10 +26,10 @@ SAMPLES = 4000
 TRIALS_BETWEEN = 800
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["no spheres", "hard spheres"])
-def dipeptide(request):
-    """A System whose two torsions are phi and psi, and probabilities of cells of these by quadrature."""
-    system, _, positions = makeSystem("alanine dipeptide", steric=request.param, torsions=("phi", "psi"))
+def quadrature(system, positions, steric):
+    """Return the most probable positions of a System whose two torsions are phi and psi, and probabilities of cells of
+    these.
+    """
     run, reference = Run(system, positions), Reference(system)
     assert len(run.torsions) == 2
     angles = (np.arange(POINTS) + 0.5) / POINTS * 2 * np.pi - np.pi
@@ -36,14 +37,24 @@ def dipeptide(request):
     for i, phi in enumerate(angles):
         for j, psi in enumerate(angles):
             run.integrator.setTorsionAngles(run.context, [phi, psi])
-            if not request.param or not run.clashes:
+            if not steric or not run.clashes:
                 energies[i, j] = reference.energy(positionsOf(run.context))
-    assert np.isinf(energies).any() == request.param
+    assert np.isinf(energies).any() == steric
     weights = np.exp(-(energies - energies.min()) / KT)
     cells = weights.reshape(CELLS, POINTS // CELLS, CELLS, POINTS // CELLS).sum(axis=(1, 3))
     start = np.unravel_index(energies.argmin(), energies.shape)
     run.integrator.setTorsionAngles(run.context, angles[list(start)])
-    return system, positionsOf(run.context), cells / cells.sum()
+    return positionsOf(run.context), cells / cells.sum()
+
+
+def makeDipeptide(**choice):
+    return makeSystem("alanine dipeptide", torsions=("phi", "psi"), **choice)
+
+
+@pytest.fixture(scope="module", params=[False, True], ids=["no spheres", "hard spheres"])
+def dipeptide(request):
+    system, _, positions = makeDipeptide(steric=request.param)
+    return system, *quadrature(system, positions, request.param)
 
 
 def pValue(angles, probabilities):
@@ -72,17 +83,38 @@ def sampleDipeptide(system, positions, seed):
     return np.array(angles)
 
 
-def test_dipeptide_is_where_quadrature_says(dipeptide):
-    system, positions, probabilities = dipeptide
-    angles = sampleDipeptide(system, positions, 11)
+def assertIndependent(angles):
     values = np.hstack([np.cos(angles), np.sin(angles)])
     deviations = values - values.mean(axis=0)
     correlations = (deviations[1:] * deviations[:-1]).mean(axis=0) / deviations.var(axis=0)
-    assert np.abs(correlations).max() < 4.5 / np.sqrt(SAMPLES)  # independent
+    assert np.abs(correlations).max() < 4.5 / np.sqrt(SAMPLES)
+
+
+def test_dipeptide_is_where_quadrature_says(dipeptide):
+    system, positions, probabilities = dipeptide
+    angles = sampleDipeptide(system, positions, 11)
+    assertIndependent(angles)
     assert pValue(angles, probabilities) > SIGNIFICANCE
     # It would notice energies that are a fifth too low.
     warmer = probabilities**0.8
     assert pValue(angles, warmer / warmer.sum()) < SIGNIFICANCE
+
+
+def test_dipeptide_meets_its_images():
+    """In a box as wide as the molecule is long, images leave half of what it does without them."""
+    system, _, start = makeDipeptide(method="periodic", box=(0.75, 0.8, 0.72))
+    positions, probabilities = quadrature(system, start, True)
+    angles = sampleDipeptide(system, positions, 12)
+    assertIndependent(angles)
+    assert pValue(angles, probabilities) > SIGNIFICANCE
+    for force in system.getForces():
+        if isinstance(force, openmm.NonbondedForce):
+            force.setNonbondedMethod(openmm.NonbondedForce.CutoffNonPeriodic)
+        elif isSteric(force):
+            force.setUsesPeriodicBoundaryConditions(False)
+    _, withoutImages = quadrature(system, start, True)
+    assert withoutImages[probabilities == 0].sum() > 0.3
+    assert pValue(angles, withoutImages) < SIGNIFICANCE
 
 
 # ---- A protein ----
