@@ -11,6 +11,7 @@
 #include "openmm/CustomBondForce.h"
 #include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
+#include "openmm/CustomExternalForce.h"
 #include "openmm/CustomNonbondedForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/HarmonicAngleForce.h"
@@ -373,13 +374,6 @@ static vector<int> getTerm(int first, int size)
     return particles;
 }
 
-static bool isOfOneChain(const vector<int>& particles)
-{
-    return all_of(particles.begin(), particles.end(), [&](int particle) {
-        return particle / LENGTH == particles[0] / LENGTH;
-    });
-}
-
 /**
  * Make a Force of terms by adding each of them.
  */
@@ -422,6 +416,28 @@ static Force* makeCentroidBonds(double)
     return force;
 }
 
+/** Groups of particles of two chains. */
+static Force* makeCentroidsOfTwoChains(bool isPeriodic)
+{
+    CustomCentroidBondForce* force = new CustomCentroidBondForce(2, "0.02*distance(g1,g2)^2");
+    for (int i = 0; i < NUM_BEADS; i++)
+        force->addGroup(getTerm(i, 4), {1, 2, 0.5, 1});
+    for (int i = 0; i < NUM_BEADS; i++)
+        force->addBond({i, (i + LENGTH) % NUM_BEADS});
+    force->setUsesPeriodicBoundaryConditions(isPeriodic);
+    return force;
+}
+
+static Force* makePlaces(const string& expression)
+{
+    CustomExternalForce* force = new CustomExternalForce(expression);
+    force->addPerParticleParameter("a");
+    force->addPerParticleParameter("b");
+    for (int i = 0; i < NUM_BEADS; i++)
+        force->addParticle(i, {0.3 * i - 2, 1 - 0.2 * i});
+    return force;
+}
+
 static const vector<PeriodicKind> TERM_KINDS = {
     {"HarmonicBondForce",
      [](double) {
@@ -433,8 +449,7 @@ static const vector<PeriodicKind> TERM_KINDS = {
      [](double) {
          HarmonicBondForce* force = new HarmonicBondForce();
          for (int i = 0; i < NUM_BEADS; i++)
-             if (isOfOneChain(getTerm(i, 2)))
-                 force->addBond(getTerm(i, 2)[0], getTerm(i, 2)[1], 0.9, 3);
+             force->addBond(getTerm(i, 2)[0], getTerm(i, 2)[1], 0.9, 0.03);
          return force;
      }},
     {"HarmonicAngleForce",
@@ -485,7 +500,34 @@ static const vector<PeriodicKind> TERM_KINDS = {
                  force.addBond(p);
              });
      }},
+    {"CustomCompoundBondForce, points",
+     [](double) {
+         return makeTerms<CustomCompoundBondForce>(new CustomCompoundBondForce(2, "pointdistance(x1,y2,0.5,x2,1,z1)"),
+                                                   2, [](CustomCompoundBondForce& force, auto& p) {
+                                                       force.addBond(p);
+                                                   });
+     }},
     {"CustomCentroidBondForce", makeCentroidBonds},
+    {"CustomCentroidBondForce, two chains",
+     [](double) {
+         return makeCentroidsOfTwoChains(true);
+     }},
+    {"CustomCentroidBondForce, not periodic",
+     [](double) {
+         return makeCentroidsOfTwoChains(false);
+     }},
+    {"CustomExternalForce",
+     [](double) {
+         return makePlaces("a*sin(x+y)+0.01*z^2");
+     }},
+    {"CustomExternalForce, periodicdistance",
+     [](double) {
+         return makePlaces("0.3*periodicdistance(x,y,z,a,0.4,b)^2");
+     }},
+    {"CustomExternalForce, of an image", // it changes if a particle is shifted by vectors of a skewed box
+     [](double) {
+         return makePlaces("0.5*periodicdistance(x,y,b,0.1,0.4,z*z/9)");
+     }},
 };
 
 #endif /*OPENMM_CHAINTREE_PERIODICFORCES_H_*/

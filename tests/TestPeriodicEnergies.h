@@ -3,7 +3,6 @@
  * each box, against sums over all images and OpenMM's energies, on one platform.
  */
 
-#include "openmm/CustomExternalForce.h"
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmm/VerletIntegrator.h"
 #include "PeriodicForces.h"
@@ -237,12 +236,6 @@ void testForeignInBox(Platform& platform)
     PeriodicChains chains(BOXES[0].vectors);
     System& system = chains.system;
     system.addForce(NONBONDED_KINDS[0].make(chains.width));
-    CustomExternalForce* places = new CustomExternalForce("x^2");
-    places->addParticle(3);
-    const int external = system.addForce(places);
-    HarmonicBondForce* between = new HarmonicBondForce();
-    between->addBond(0, LENGTH, 1, 2);
-    const int acrossMolecules = system.addForce(between);
     CustomNonbondedForce* corrected = makeCustomNonbonded("0.01/r^6", 1);
     corrected->setUseLongRangeCorrection(true);
     const int withCorrection = system.addForce(corrected);
@@ -257,8 +250,6 @@ void testForeignInBox(Platform& platform)
     addMoves(integrator, chains.width);
     Context context(system, integrator, platform);
     context.setPositions(chains.positions);
-    assertForeign(integrator, context, external, "terms of places");
-    assertForeign(integrator, context, acrossMolecules, "of several molecules");
     if (withoutImages != -1)
         assertForeign(integrator, context, withoutImages, "no periodic images");
     assertForeign(integrator, context, withCorrection, "long-range correction");

@@ -236,24 +236,6 @@ void EnergyPlan::translate(int groups, bool allowNative, StericMode mode)
         }
 }
 
-void EnergyPlan::makeForeign(int index, const string& reason)
-{
-    auto remove = [index](auto& parts) {
-        parts.erase(remove_if(parts.begin(), parts.end(),
-                              [index](auto& part) {
-                                  return part.force == index;
-                              }),
-                    parts.end());
-    };
-    remove(terms.nonbonded);
-    remove(terms.born);
-    remove(terms.pairSets);
-    remove(terms.termSets);
-    remove(terms.valueEnergies);
-    entries[index].kind = Foreign;
-    entries[index].reason = reason;
-}
-
 /**
  * Get whether a Force has some of these parts of the terms.
  */

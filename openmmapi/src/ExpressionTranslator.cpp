@@ -212,6 +212,11 @@ void ExpressionTranslator::addParticle(const string& name, const array<string, 3
     addInput(coordinates[2], {ctMeasureZ, {particle}});
 }
 
+void ExpressionTranslator::addDistanceFunction(const string& name)
+{
+    distanceFunctions.insert(name);
+}
+
 void ExpressionTranslator::addForeignFunction(const string& name, int numArguments, const string& description)
 {
     foreignFunctions[name] = make_pair(numArguments, description);
@@ -272,17 +277,16 @@ int ExpressionTranslator::translateVariable(const string& name)
 }
 
 /**
- * Measure the distance of points that are not both particles.
+ * Measure the distance of points from their coordinates.
  */
 int ExpressionTranslator::translateDistance(const vector<ExpressionTreeNode>& coordinates)
 {
-    int sum = -1;
+    array<int, 3> differences;
     for (int i = 0; i < 3; i++) {
         const int first = translateNode(coordinates[i]), second = translateNode(coordinates[i + 3]);
-        const int square = addOperation(ctSquareOperator, {addOperation(ctSubtractOperator, {first, second})});
-        sum = i == 0 ? square : addOperation(ctAddOperator, {sum, square});
+        differences[i] = addOperation(ctSubtractOperator, {first, second});
     }
-    return addOperation(ctSqrtOperator, {sum});
+    return addOperation(ctImageLengthOperator, differences);
 }
 
 /**
@@ -332,6 +336,8 @@ int ExpressionTranslator::translateFunction(const ExpressionTreeNode& node)
     auto table = tables.find(name);
     if (table != tables.end())
         return translateTable(table->second, node.getChildren());
+    if (distanceFunctions.count(name) != 0)
+        return translateDistance(node.getChildren());
     const MeasuringFunction& function = findMeasuringFunction(name);
     const vector<ExpressionTreeNode>& arguments = node.getChildren();
     vector<int> measured;
@@ -452,6 +458,8 @@ static int countResults(const ctOperation& operation, const vector<EnergyTerms::
         return count;
     switch (operation.kind) {
         CT_OPERATORS(COUNT_CASE)
+    case ctImageLengthOperator:
+        return 3;
     case ctTableOperator:
         return tables[(int)operation.constant].dimensions;
     default:
@@ -506,6 +514,8 @@ string ExpressionTranslator::translate(const string& expression)
         placeholders.push_back(make_unique<Placeholder>(numArguments));
         addFunction(name, placeholders.back().get());
     };
+    for (const string& name : distanceFunctions)
+        addPlaceholder(name, 6);
     for (auto& foreign : foreignFunctions)
         addPlaceholder(foreign.first, foreign.second.first);
     for (auto& table : tables)

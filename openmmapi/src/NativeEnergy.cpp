@@ -88,24 +88,10 @@ void NativeEnergy::setTerms()
     force.setEnergyTerms(plan.getTerms(), this);
 }
 
-/**
- * Leave Forces to OpenMM whose terms need the positions of several molecules, which the scene shifts, as they are.
- */
-void NativeEnergy::leaveUnboxedTerms()
-{
-    setTerms();
-    for (int set; (set = getEnergy().findUnboxedTerms()) != -1; setTerms())
-        plan.makeForeign(plan.getTerms().termSets[set].force,
-                         "in a periodic box openmm-chaintree has no code for terms of places, or of several molecules "
-                         "without periodic boundary conditions");
-}
-
 void NativeEnergy::translate()
 {
     plan.setStandIn(choice.standIn);
     plan.translate(choice.groups, choice.native, choice.stericMode);
-    if (force.getTrialScene().isPeriodic())
-        leaveUnboxedTerms();
     const bool isOff = (getStericMode() == TorsionMonteCarloIntegrator::Off);
     cores = isOff ? plan.findCoreSpheres(choice.groups, choice.coreEnergy) : CoreSpheres();
     trialsToCheck = 0;

@@ -295,39 +295,23 @@ void SceneEnergy::check(ctStatus status) const
         fail(ctGetEnergyErrorText(energy.get()));
 }
 
-/**
- * Call a function with the library's energy, or one that is made for it if the scene has no positions.
- */
-template <class FUNCTION>
-void SceneEnergy::inspect(FUNCTION function)
+void SceneEnergy::countChangeableTerms(vector<int>& counts)
 {
-    if (scene.tree) {
-        function(require());
-        return;
-    }
+    auto count = [&](const ctEnergy* energy) {
+        counts.resize(terms.termSets.size());
+        for (size_t i = 0; i < counts.size(); i++)
+            counts[i] = ctCountChangeableTerms(energy, i);
+    };
+    if (scene.tree)
+        return count(require());
+
+    // A scene without positions has no tree yet, and knows no box.
+
     const vector<Vec3> positions(scene.definition.getNumParticles());
     SceneDefinition withoutBox(scene.definition);
     withoutBox.isPeriodic = false;
     const Scene::Tree tree = Scene::createTree(withoutBox, positions);
-    function(create(tree.get(), withoutBox.describe(positions)).get());
-}
-
-void SceneEnergy::countChangeableTerms(vector<int>& counts)
-{
-    counts.resize(terms.termSets.size());
-    inspect([&](const ctEnergy* energy) {
-        for (size_t i = 0; i < counts.size(); i++)
-            counts[i] = ctCountChangeableTerms(energy, i);
-    });
-}
-
-int SceneEnergy::findUnboxedTerms()
-{
-    int set;
-    inspect([&](const ctEnergy* energy) {
-        set = ctFindUnboxedTerms(energy);
-    });
-    return set;
+    count(create(tree.get(), withoutBox.describe(positions)).get());
 }
 
 // ---- The state ----

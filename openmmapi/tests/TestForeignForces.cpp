@@ -98,7 +98,7 @@ void testPeriodicForcesAreForeign()
     CustomCompoundBondForce* compound = createCompoundBonds("x1");
     compound->setUsesPeriodicBoundaryConditions(true);
     assertForeign(compound, reason);
-    assertForeign(new CustomExternalForce("periodicdistance(x,y,z,0,0,0)"), "its expression uses periodicdistance");
+    assertForeign(new CustomExternalForce("periodicdistance(x,y,z,0,0,0)"), "it uses periodic boundary conditions");
 }
 
 void testForeignNonbondedForces()

@@ -14,7 +14,7 @@ static string translateCustomExternalTerms(const CustomExternalForce& force, con
     translator.addInput("x", {ctMeasureX, {0}});
     translator.addInput("y", {ctMeasureY, {0}});
     translator.addInput("z", {ctMeasureZ, {0}});
-    translator.addForeignFunction("periodicdistance", 6, "periodicdistance, and periodic boundary conditions with it");
+    translator.addDistanceFunction("periodicdistance");
     const string reason = translator.translateTerms(force, &CustomExternalForce::getPerParticleParameterName,
                                                     set.parametersPerTerm, setting.parameters);
     if (!reason.empty())

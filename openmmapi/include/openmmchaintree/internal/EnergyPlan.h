@@ -71,10 +71,6 @@ public:
      */
     void translate(int groups, bool allowNative, StericMode mode);
     /**
-     * Leave a native Force to OpenMM.
-     */
-    void makeForeign(int index, const std::string& reason);
-    /**
      * Get the spheres that test trials with the steric mode Off; none if every overlap may have a low energy.
      *
      * @param groups  the force groups that have a part in U, as a bit mask

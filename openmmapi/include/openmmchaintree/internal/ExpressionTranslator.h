@@ -58,6 +58,10 @@ public:
      */
     void addParticle(const std::string& name, const std::array<std::string, 3>& coordinates, int particle);
     /**
+     * Name a function of the coordinates of two points that is their distance, of nearest images in a periodic box.
+     */
+    void addDistanceFunction(const std::string& name);
+    /**
      * Name a function that cannot be translated, and describe it for messages.
      */
     void addForeignFunction(const std::string& name, int numArguments, const std::string& description);
@@ -124,6 +128,7 @@ private:
     std::map<std::string, int> parameters, particles;
     std::vector<std::pair<double, double>> parameterRanges;
     std::map<std::string, double> constants;
+    std::set<std::string> distanceFunctions;
     /** Their numbers of arguments and descriptions. */
     std::map<std::string, std::pair<int, std::string>> foreignFunctions;
     std::map<std::string, NamedTable> tables;

@@ -282,7 +282,6 @@ private:
     void beginSchedule();
     Difference computeForeignDifference(TrialSession& trials);
     void translate();
-    void leaveUnboxedTerms();
     void setTerms();
     SceneEnergy& getEnergy() const;
     void updateStandIn();

@@ -31,10 +31,6 @@ public:
      */
     void countChangeableTerms(std::vector<int>& counts);
     /**
-     * Get the first set of terms that has no value in a periodic box, or -1 if there is none.
-     */
-    int findUnboxedTerms();
-    /**
      * Compute the energy of the state, unless it is known. With `force`, compute it anyway. Returns whether it was
      * computed.
      */
@@ -80,8 +76,6 @@ private:
     typedef std::unique_ptr<ctEnergy, Deleter> Handle;
     Handle create(ctChainTree* tree, const ctDefinition& definition) const;
     ctEnergy* require();
-    template <class FUNCTION>
-    void inspect(FUNCTION function);
     void check(ctStatus status) const;
     std::vector<uint8_t> findListed() const;
     int getStandInSize() const;

@@ -349,6 +349,10 @@ void ctGetLeafParticles(const ctChainTree* tree, int* particles);
  * until the state changes. O(leaves that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
 
+/* By how much (nm) the molecule of a link is shifted there, or in the open trial. 0 without a box, and for molecules
+ * that are not shifted. O(log molecules + changes). */
+void ctGetMoleculeShift(const ctChainTree* tree, int link, bool inTrial, double shift[3]);
+
 /* The pieces of the open trial, ascending, and the motion of each body in the world: in the trial a particle of body b
  * is where motions[b] takes its position in the state. And the caller's links that the trial changes, in the order of
  * the sequence. The arrays belong to the scene, and stay until the trial ends. Without a trial there are none. O(k). */

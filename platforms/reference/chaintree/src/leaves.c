@@ -146,6 +146,27 @@ const ctLeafPositions* ctGetLeaves(ctChainTree* tree) {
   return tree->leaves.state;
 }
 
+void ctGetMoleculeShift(const ctChainTree* tree, int link, bool inTrial, double shift[3]) {
+  if (shift == NULL) {
+    return;
+  }
+  shift[0] = shift[1] = shift[2] = 0;
+  if (tree == NULL || link < 0 || link >= tree->sequence.userLinkCount || !tree->sequence.box.isPeriodic) {
+    return;
+  }
+  const Sequence* s = &tree->sequence;
+  const Trial* trial = tree->trial;
+  const int branch = sequenceBranch(s, sequenceLink(s, link));
+  for (int i = 0; i < trial->count && trial->open && inTrial; i++) {
+    const int changed = trial->changes[i].link;
+    if (isWrapped(s, changed) && sequenceBranch(s, changed) == branch) {
+      ctImageShift(&s->box, trial->changes[i].after.wrap, shift);
+      return;
+    }
+  }
+  ctSequenceShift(s, branch, shift);
+}
+
 int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions) {
   if (tree == NULL || pieces == NULL || motions == NULL) {
     return 0;

@@ -410,6 +410,12 @@ static void testLeaves(Border* b) {
   CHECK(ctGetTrialPieces(NULL, &pieces, &motions) == 0 && ctGetTrialLinks(NULL, &links) == 0);
   CHECK(ctGetTrialPieces(b->tree, NULL, &motions) == 0 && ctGetTrialPieces(b->tree, &pieces, NULL) == 0);
   CHECK(ctGetTrialLinks(b->tree, NULL) == 0);
+  for (EACH(i, wrongIndices)) {
+    double shift[3] = {1, 1, 1};
+    HARMLESS(ctGetMoleculeShift(b->tree, wrongIndices[i], false, shift));
+    CHECK(shift[0] == 0 && shift[1] == 0 && shift[2] == 0);
+  }
+  HARMLESS(ctGetMoleculeShift(b->tree, 0, false, NULL));
   NO_SCENE(ctGetLeafPairs(NULL, 1, &count, &pairs, NULL));
   NO_SCENE(ctGetChangedLeafPairs(NULL, 1, &count, &pairs, &leaves, NULL));
   INVALID("count is NULL", ctGetLeafPairs(b->tree, 1, NULL, &pairs, NULL));

@@ -23,9 +23,9 @@
  *
  * Periodic boxes. In a scene with a box, pairs count in the image that is within the cutoff, which is at most half the
  * box's width. Terms are of the particles as they are, or of nearest images, see ctTermSet.isPeriodic: each difference
- * of positions is reduced as OpenMM does. Molecules (see ctGetLeaves) are shifted, so a set has no value if it is of
- * places, or has terms of particles, or with isPeriodic groups, of different molecules. Born energies and energies of
- * values have no images. Refreshing such an energy is an error; so is a box that is too narrow for a cutoff.
+ * of positions is reduced as OpenMM does. Places are those of callers, without the shifts of molecules (see
+ * ctGetLeaves). Born energies and energies of values have no images. Refreshing such an energy is an error; so is a box
+ * that is too narrow for a cutoff.
  *
  * Errors and arguments. As in chaintree.h; what has no value is NaN. One scene can have one energy or more; handles of
  * one scene serve one thread at a time. The scene has to outlive them.
@@ -148,11 +148,13 @@ typedef struct ctInput {
 
 #define CT_ENUMERATOR(name, count, value) ct##name##Operator,
 typedef enum ctOperator {
-  ctConstantOperator,  /* v */
-  ctInputOperator,     /* input number a */
-  ctParameterOperator, /* the term's parameter number a */
+  ctConstantOperator,    /* v */
+  ctInputOperator,       /* input number a */
+  ctParameterOperator,   /* the term's parameter number a */
   CT_OPERATORS(CT_ENUMERATOR)
-  ctTableOperator      /* not of terms: table number v of as many of a, b, c as it has dimensions */
+  ctImageLengthOperator, /* of terms alone: the length of the difference (a, b, c) of positions, nm. With isPeriodic in
+                            a periodic box, that of the nearest image */
+  ctTableOperator        /* not of terms: table number v of as many of a, b, c as it has dimensions */
 } ctOperator;
 #undef CT_ENUMERATOR
 /* clang-format on */
@@ -368,9 +370,6 @@ const char* ctGetEnergyErrorText(const ctEnergy* energy);
  * if there is no such set. With isPeriodic, all count: a turn changes a term that is longer than half the box's width.
  */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
-
-/* The first term set that has no value in a periodic box, see above; CT_NULL: all have. */
-int ctFindUnboxedTerms(const ctEnergy* energy);
 
 /* Computes all values from the scene's state. Call it before the first trial and whenever the state has changed in
  * another way than by ctAcceptEnergyChange. O(all terms and pairs). */

@@ -67,6 +67,9 @@ static bool operationIsValid(const Operations* o, int i, char* text, size_t size
     return ctInvalid(text, size, "operation %d of %s reads table %g; there are %d", i, o->name, operation->constant,
                      o->tableCount);
   }
+  if (operation->kind == ctImageLengthOperator && !o->isOfTerms) {
+    return ctInvalid(text, size, "operation %d of %s is a length in nearest images, which only terms have", i, o->name);
+  }
   for (int k = 0; k < ctArgumentCount(operation, o->tables); k++) {
     if (!isIndex(operation->arguments[k], i)) {
       return ctInvalid(text, size, "operation %d of %s needs the result of operation %d, which is not an earlier one",

@@ -17,6 +17,7 @@ typedef struct Operations {
   int parameterCount;
   int tableCount;
   const ctTable* tables;
+  bool isOfTerms;
 } Operations;
 
 bool ctOperationsAreValid(const Operations* operations, char* text, size_t size);

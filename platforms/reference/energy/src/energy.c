@@ -154,10 +154,6 @@ int ctCountChangeableTerms(const ctEnergy* energy, int termSet) {
   return isTermSet(energy, termSet) ? ctTermsCountChangeable(energy->terms, termSet) : 0;
 }
 
-int ctFindUnboxedTerms(const ctEnergy* energy) {
-  return energy != NULL ? ctTermsFindUnboxed(energy->terms) : CT_NULL;
-}
-
 /* ---- The state ---- */
 
 static bool hasStandIn(const ctEnergy* energy) {
@@ -178,12 +174,6 @@ static ctStatus checkBox(ctEnergy* energy) {
   if (hasStandIn(energy) || energy->values.count > 0) {
     return fail(energy, ctInvalidArgument, "in a periodic box there are no Born energies and no energies of values");
   }
-  const int set = ctTermsFindUnboxed(energy->terms);
-  if (set != CT_NULL) {
-    return fail(energy, ctInvalidArgument,
-                "in a periodic box, term set %d has no value: it is of particles of different molecules, or of places",
-                set);
-  }
   return ctSuccess;
 }
 
@@ -195,8 +185,6 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   const ctLeafPositions* leaves = ctGetLeaves(energy->tree);
   energy->computedParts = 0;
   energy->state = NO_STATE;
-  double box[3][3];
-  const bool isPeriodic = ctGetBox(energy->tree, box);
   const ctStatus inBox = checkBox(energy);
   if (inBox != ctSuccess) {
     return inBox;
@@ -207,7 +195,7 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {
   if (status != ctSuccess) {
     return failAsScene(energy, status);
   }
-  ctTermsRefresh(energy->terms, leaves, isPeriodic ? (const double(*)[3])box : NULL);
+  ctTermsRefresh(energy->terms, energy->tree, leaves);
   energy->shift = ctGetTotalShift(energy->tree);
   energy->state = ctGetChangeCount(energy->tree);
   return ctSuccess;
@@ -236,7 +224,7 @@ double ctGetTermEnergy(const ctEnergy* energy, int termSet) {
 /* ---- Trials ---- */
 
 static ctStatus changeTerms(ctEnergy* energy, double* change) {
-  TrialView view;
+  TrialView view = {.tree = energy->tree};
   view.state = ctGetLeaves(energy->tree);
   view.pieceCount = ctGetTrialPieces(energy->tree, &view.pieces, &view.motions);
   view.linkCount = ctGetTrialLinks(energy->tree, &view.links);

@@ -24,8 +24,10 @@ int ctMeasureWidth(ctMeasure measure) {
 
 int ctArgumentCount(const ctOperation* operation, const ctTable* tables) {
 #define CT_COUNT(name, count, value) [ct##name##Operator] = count,
-  static const int counts[] = {
-      [ctConstantOperator] = 0, [ctInputOperator] = 0, [ctParameterOperator] = 0, CT_OPERATORS(CT_COUNT)};
+  static const int counts[] = {[ctConstantOperator] = 0,
+                               [ctInputOperator] = 0,
+                               [ctParameterOperator] = 0,
+                               CT_OPERATORS(CT_COUNT)[ctImageLengthOperator] = 3};
 #undef CT_COUNT
   return operation->kind == ctTableOperator ? tables[(int)operation->constant].dimensions : counts[operation->kind];
 }
@@ -49,7 +51,8 @@ bool ctExpressionIsValid(const ctExpression* expression, const char* name, int p
                                  .operationCount = expression->operationCount,
                                  .operations = expression->operations,
                                  .inputCount = expression->inputCount,
-                                 .parameterCount = parametersPerTerm};
+                                 .parameterCount = parametersPerTerm,
+                                 .isOfTerms = true};
   if (expression->inputCount < 0 || expression->inputCount > CT_MOST_COUNT ||
       (expression->inputCount > 0 && expression->inputs == NULL)) {
     return ctInvalid(text, size, "%s has %d inputs%s", name, expression->inputCount,
@@ -148,6 +151,16 @@ static double measureImages(const ctInput* input, const double (*x)[3], const Pe
   return measure(&ofChain, (const double(*)[3])chain);
 }
 
+/* The length of a difference of positions, or of its nearest image, if there is a box. */
+static double imageLength(double x, double y, double z, const PeriodicBox* box) {
+  const double origin[3] = {0, 0, 0};
+  double apart[3] = {x, y, z};
+  if (box != NULL) {
+    nearestImage(box, origin, (const double[3]){x, y, z}, apart);
+  }
+  return sqrt(apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]);
+}
+
 /* As OpenMM computes it. */
 static double constantPower(double base, double exponent) {
   if (!(fabs(exponent) < INT_MAX) || exponent != (int)exponent) {
@@ -185,6 +198,8 @@ double ctExpressionEvaluate(const Expression* expression, const double (*positio
       results[i] = measureImages(&expression->inputs[arguments[0]], positions, box, isLong);
     } else if (operation->kind == ctParameterOperator) {
       results[i] = parameters[arguments[0]];
+    } else if (operation->kind == ctImageLengthOperator) {
+      results[i] = imageLength(results[arguments[0]], results[arguments[1]], results[arguments[2]], box);
     } else {
       results[i] = ctOperate(operation, results[arguments[0]], results[arguments[1]], results[arguments[2]]);
     }

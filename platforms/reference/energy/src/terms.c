@@ -16,7 +16,8 @@ struct Terms {
   double* values;
   double* savedValues; /* NULL: none were saved */
   int* setOf;
-  uint8_t* repeats; /* terms that share the dihedral of the term before */
+  uint8_t* repeats;    /* terms that share the dihedral of the term before */
+  int* moleculeOfSlot; /* see ctFindMolecules */
   Dependence dependence;
 
   /* Long terms of nearest images: a turn of all of their particles changes them, too. */
@@ -37,7 +38,7 @@ struct Terms {
 
   /* Scratch. */
   double (*positions)[3]; /* of a term */
-  int* slots;             /* whose positions these are; CT_NULL: none's */
+  int* slots;             /* whose positions these are, or CT_NULL - 1 less these if without shifts; CT_NULL: none's */
   int width;              /* the most particles of a term */
   double* results;        /* of an expression */
 };
@@ -103,14 +104,28 @@ static bool allocateTerms(Terms* terms) {
   return true;
 }
 
-/* Finds the sets that have no value in a periodic box. */
-static bool findUnboxed(Terms* terms, const ctDefinition* scene, const ctTermSet* sets) {
+/* Finds the molecule of each slot, and the sets whose values change if molecules are shifted by box vectors. */
+static bool findMolecules(Terms* terms, const ctDefinition* scene, const ctTermSet* sets, const int* slotOf) {
+  int slotCount = 0;
+  for (int i = 0; i < scene->particleCount; i++) {
+    slotCount = slotOf[i] >= slotCount ? slotOf[i] + 1 : slotCount;
+  }
   int* molecules = ctFindMolecules(scene);
-  for (int s = 0; s < terms->setCount && molecules != NULL; s++) {
-    terms->sets[s].isUnboxed = !ctTermSetFitsBox(scene, &sets[s], molecules);
+  terms->moleculeOfSlot = calloc((size_t)slotCount + 1, sizeof *terms->moleculeOfSlot);
+  if (molecules == NULL || terms->moleculeOfSlot == NULL) {
+    free(molecules);
+    return false;
+  }
+  for (int i = 0; i < scene->particleCount; i++) {
+    if (slotOf[i] != CT_NULL) {
+      terms->moleculeOfSlot[slotOf[i]] = molecules[scene->particleLinks[i]];
+    }
+  }
+  for (int s = 0; s < terms->setCount; s++) {
+    terms->sets[s].isUnshifted = !ctTermSetFitsBox(scene, &sets[s], molecules);
   }
   free(molecules);
-  return molecules != NULL;
+  return true;
 }
 
 static ctStatus checkSets(const ctDefinition* scene, int setCount, const ctTermSet* sets, const int* slotOf,
@@ -143,8 +158,8 @@ ctStatus ctTermsCreate(const ctDefinition* scene, int setCount, const ctTermSet*
   }
   Terms* made = calloc(1, sizeof *made);
   if (made == NULL || !describeSets(made, setCount, sets, slotOf) || !allocateTerms(made) ||
-      !findUnboxed(made, scene, sets) || !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) ||
-      !allocateScratch(made)) {
+      !findMolecules(made, scene, sets, slotOf) ||
+      !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) || !allocateScratch(made)) {
     ctTermsDestroy(made);
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
@@ -165,6 +180,7 @@ void ctTermsDestroy(Terms* terms) {
   free(terms->savedValues);
   free(terms->setOf);
   free(terms->repeats);
+  free(terms->moleculeOfSlot);
   free(terms->isLong);
   free(terms->savedIsLong);
   free(terms->longTerms);
@@ -186,6 +202,8 @@ typedef struct Evaluation {
   Terms* terms;
   const TrialView* view; /* without pieces: the state */
   Term term;             /* the last one */
+  int molecule;          /* the last one whose shift was asked for; 0: none was */
+  double shift[3];
 } Evaluation;
 
 static Evaluation beginEvaluation(Terms* terms, const TrialView* view) {
@@ -199,12 +217,30 @@ static Evaluation beginEvaluation(Terms* terms, const TrialView* view) {
                                .results = terms->results}};
 }
 
+/* Takes the shift of a slot's molecule from its position, which is that of callers then. */
+static void removeShift(Evaluation* evaluation, int slot, double x[3]) {
+  const int molecule = evaluation->terms->moleculeOfSlot[slot];
+  if (molecule == 0) {
+    return;
+  }
+  if (molecule != evaluation->molecule) {
+    const TrialView* view = evaluation->view;
+    ctGetMoleculeShift(view->tree, molecule - 1, view->pieceCount > 0, evaluation->shift);
+    evaluation->molecule = molecule;
+  }
+  for (int d = 0; d < 3; d++) {
+    x[d] -= evaluation->shift[d];
+  }
+}
+
 /* Terms often share some particles with the one before. */
-static void gatherPositions(const Evaluation* evaluation, const int* slots, int width) {
+static void gatherPositions(Evaluation* evaluation, const int* slots, int width) {
   Terms* terms = evaluation->terms;
   const TrialView* view = evaluation->view;
+  const bool isUnshifted = terms->isPeriodic && evaluation->term.set->isUnshifted;
   for (int p = 0; p < width; p++) {
-    if (slots[p] == terms->slots[p]) {
+    const int key = isUnshifted ? CT_NULL - 1 - slots[p] : slots[p];
+    if (key == terms->slots[p]) {
       continue;
     }
     double x[3];
@@ -212,8 +248,11 @@ static void gatherPositions(const Evaluation* evaluation, const int* slots, int 
     if (view->pieceCount > 0) {
       moveByBody(view, trialBody(view, slots[p]), x);
     }
+    if (isUnshifted) {
+      removeShift(evaluation, slots[p], x);
+    }
     memcpy(terms->positions[p], x, sizeof x);
-    terms->slots[p] = slots[p];
+    terms->slots[p] = key;
   }
 }
 
@@ -243,20 +282,12 @@ static void listLongTerms(Terms* terms) {
   }
 }
 
-int ctTermsFindUnboxed(const Terms* terms) {
-  for (int s = 0; s < terms->setCount; s++) {
-    if (terms->sets[s].isUnboxed && terms->sets[s].count > 0) {
-      return s;
-    }
-  }
-  return CT_NULL;
-}
-
-void ctTermsRefresh(Terms* terms, const ctLeafPositions* state, const double (*box)[3]) {
-  const TrialView view = {.state = state};
-  terms->isPeriodic = box != NULL;
-  if (box != NULL) {
-    terms->box = makePeriodicBox(box);
+void ctTermsRefresh(Terms* terms, const ctChainTree* tree, const ctLeafPositions* state) {
+  const TrialView view = {.tree = tree, .state = state};
+  double box[3][3];
+  terms->isPeriodic = ctGetBox(tree, box);
+  if (terms->isPeriodic) {
+    terms->box = makePeriodicBox((const double(*)[3])box);
   }
   Evaluation evaluation = beginEvaluation(terms, &view);
   terms->changedCount = 0;

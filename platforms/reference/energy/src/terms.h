@@ -13,12 +13,8 @@ ctStatus ctTermsCreate(const ctDefinition* scene, int setCount, const ctTermSet*
 
 void ctTermsDestroy(Terms* terms);
 
-/* The first set that has no value in a periodic box, where molecules are shifted by box vectors: of several molecules,
- * or of places. CT_NULL: there is none. */
-int ctTermsFindUnboxed(const Terms* terms);
-
-/* Computes all values from positions of the state; `box`: the vectors of the periodic box, or NULL. */
-void ctTermsRefresh(Terms* terms, const ctLeafPositions* state, const double (*box)[3]);
+/* Computes all values from the positions of leaves in the state. */
+void ctTermsRefresh(Terms* terms, const ctChainTree* tree, const ctLeafPositions* state);
 
 int ctTermsSetCount(const Terms* terms);
 

@@ -21,7 +21,7 @@ typedef struct TermSet {
   double (*centroids)[3]; /* scratch: of each group */
   int changeableCount;    /* terms that some joint can change */
   bool isPeriodic;        /* see ctTermSet */
-  bool isUnboxed;         /* it has no value in a periodic box */
+  bool isUnshifted;       /* in a periodic box it is of positions without the shifts of molecules */
 } TermSet;
 
 /* True if a set is right for a scene; else text, of `size` bytes, says in a sentence which term of set number `number`

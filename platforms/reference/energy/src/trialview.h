@@ -5,6 +5,7 @@
 #include "ctenergy.h"
 
 typedef struct TrialView {
+  const ctChainTree* tree;
   const ctLeafPositions* state; /* positions of all leaves in the state */
   int pieceCount;
   const ctPiece* pieces;

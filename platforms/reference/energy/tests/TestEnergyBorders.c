@@ -515,7 +515,8 @@ static void testPairSets(void) {
   REFUSE_NUMBERS(pairSet.switchingDistance, ((const double[]){NAN, -INFINITY}));
   const int notEarlier[] = {INT_MIN, -1, 3, INT_MAX};
   REFUSE_INTS(pairOperations[3].arguments[1], notEarlier);
-  REFUSE_INTS(*(int*)&pairOperations[3].kind, ((const int[]){INT_MIN, -1, ctTableOperator + 1, INT_MAX}));
+  REFUSE_INTS(*(int*)&pairOperations[3].kind,
+              ((const int[]){INT_MIN, -1, ctImageLengthOperator, ctTableOperator + 1, INT_MAX}));
   REFUSE_INTS(pairOperations[0].arguments[0], ((const int[]){INT_MIN, -1, 1, INT_MAX}));
   REFUSE_INTS(pairOperations[1].arguments[0], ((const int[]){INT_MIN, -1, 2, INT_MAX}));
   REFUSE_NUMBERS(pairOperations[3].constant,

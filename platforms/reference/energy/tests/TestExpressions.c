@@ -35,7 +35,7 @@ static void testOperators(void) {
   const double values[] = {0, -0.0, 0.5, -0.5, 1, -1, 1.75, -2.25, 40, -3};
   const double exponents[] = {0, 1, 2, 3, 7, -1, -2, -5, 0.5, -0.5, 2.5};
   enum { VALUES = sizeof values / sizeof *values, EXPONENTS = sizeof exponents / sizeof *exponents };
-  for (int kind = ctAddOperator; kind <= ctSelectOperator; kind++) {
+  for (int kind = ctAddOperator; kind <= ctImageLengthOperator; kind++) {
     for (int i = 0; i < VALUES * VALUES * EXPONENTS; i++) {
       const double constant = exponents[i / (VALUES * VALUES)];
       if (constant != 0 && kind != ctAddConstantOperator && kind != ctMultiplyConstantOperator &&
@@ -182,7 +182,7 @@ static void testRefusals(void) {
   checkOperationsRefused(1, input, "operation 0 of the expression of term set 0 reads input 1; there are 1");
   checkOperationsRefused(1, parameter, "operation 0 of the expression of term set 0 reads parameter 1; there are 1");
   checkOperationsRefused(1, table, "operation 0 of the expression of term set 0 reads table 0; there are 0");
-  checkOperationsRefused(1, unknown, "operation 0 of the expression of term set 0 has the unknown operator 42");
+  checkOperationsRefused(1, unknown, "operation 0 of the expression of term set 0 has the unknown operator 43");
   checkOperationsRefused(0, NULL, "the expression of term set 0 has 0 operations, which are NULL,");
   checkInputRefused((ctInput){ctMeasureAngle, {0, 1, 5, 0}},
                     "input 0 of the expression of term set 0 is of particle 5 of the term, which has 5");

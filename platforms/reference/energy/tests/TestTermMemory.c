@@ -46,7 +46,7 @@ int main(void) {
     CHECK(hasFailed == (live == before));
     if (terms != NULL) { /* from here on, nothing needs memory */
       failAllocation(0);
-      ctTermsRefresh(terms, smallLeaf(&scene), NULL);
+      ctTermsRefresh(terms, NULL, smallLeaf(&scene));
       CHECK(isfinite(ctTermsSum(terms, 0)));
       CHECK(!hasFailed);
       allocationsLeft = -1;

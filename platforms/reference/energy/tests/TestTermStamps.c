@@ -18,8 +18,8 @@ int main(void) {
   Terms* terms;
   makeSmallScene(&scene, CT_NULL);
   CHECK_SUCCESS(ctTermsCreate(&scene.definition, 1, &set, scene.slotOf, &terms, text, sizeof text));
-  ctTermsRefresh(terms, smallLeaf(&scene), NULL);
-  const TrialView view = {&scene.leaf, 3, pieces, motions, 2, links};
+  ctTermsRefresh(terms, NULL, smallLeaf(&scene));
+  const TrialView view = {NULL, &scene.leaf, 3, pieces, motions, 2, links};
   const double first = ctTermsChange(terms, &view); /* leaves a 1 */
   CHECK(first != 0 && terms->changedCount == 2);
   const uint32_t starts[] = {UINT32_MAX, 7, UINT32_MAX - 1, UINT32_MAX};

@@ -170,7 +170,7 @@ static void testInfiniteChanges(void) {
   CHECK_SUCCESS(ctTermsCreate(&scene.definition, 1, &set, scene.slotOf, &terms, text, sizeof text));
   place(0, 0, 0, 0);
   place(1, 0, 0, 0);
-  ctTermsRefresh(terms, smallLeaf(&scene), NULL);
+  ctTermsRefresh(terms, NULL, smallLeaf(&scene));
   CHECK(moveSecond(terms, 0) == 0); /* infinite as before */
   CHECK(moveSecond(terms, 0.3) == -INFINITY);
   ctTermsAccept(terms);
@@ -252,7 +252,7 @@ static void testNothing(void) {
   Terms* terms;
   for (int count = 0; count <= 2; count++) {
     CHECK_SUCCESS(ctTermsCreate(&scene.definition, count, sets, scene.slotOf, &terms, text, sizeof text));
-    ctTermsRefresh(terms, smallLeaf(&scene), NULL);
+    ctTermsRefresh(terms, NULL, smallLeaf(&scene));
     CHECK(moveSecond(terms, 1) == 0);
     ctTermsAccept(terms);
     for (int s = 0; s < count; s++) {

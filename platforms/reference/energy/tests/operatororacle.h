@@ -24,6 +24,7 @@ static inline int takes(ctOperator kind) {
     case ctMaxOperator:
       return 2;
     case ctSelectOperator:
+    case ctImageLengthOperator:
       return 3;
     default:
       return 1; /* a table of one number, too */
@@ -109,6 +110,8 @@ static inline long double oracleOperator(const ctOperation* o, long double a, lo
       return ceill(a);
     case ctSelectOperator:
       return a != 0 ? b : c;
+    case ctImageLengthOperator: /* without a box */
+      return sqrtl(a * a + b * b + c * c);
     case ctConstantOperator:
     case ctInputOperator:
     case ctParameterOperator:

@@ -62,7 +62,7 @@ static inline double sumOfSet(SmallScene* scene, const ctTermSet* set) {
     reportFailure("ctTermsCreate: %s\n", text);
     return 0;
   }
-  ctTermsRefresh(terms, smallLeaf(scene), NULL);
+  ctTermsRefresh(terms, NULL, smallLeaf(scene));
   const double sum = ctTermsSum(terms, 0);
   ctTermsDestroy(terms);
   return sum;

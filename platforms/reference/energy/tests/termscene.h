@@ -47,7 +47,7 @@ static inline void refreshTerms(TermScene* scene) {
   static double positions[3 * MOST_ATOMS];
   ctGetPositions(scene->tree, positions);
   evaluateOracle(&scene->random, positions, scene->values);
-  ctTermsRefresh(scene->terms, ctGetLeaves(scene->tree), NULL);
+  ctTermsRefresh(scene->terms, scene->tree, ctGetLeaves(scene->tree));
 }
 
 /* Makes scene and terms of branches and sets that have been drawn. */
@@ -72,7 +72,7 @@ static inline void destroyTermScene(TermScene* scene) {
 
 /* The change of all terms in the open trial. */
 static inline double changeOfTerms(TermScene* scene) {
-  TrialView view = {.state = ctGetLeaves(scene->tree)};
+  TrialView view = {.tree = scene->tree, .state = ctGetLeaves(scene->tree)};
   view.pieceCount = ctGetTrialPieces(scene->tree, &view.pieces, &view.motions);
   view.linkCount = ctGetTrialLinks(scene->tree, &view.links);
   return ctTermsChange(scene->terms, &view);
