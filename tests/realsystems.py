@@ -21,7 +21,6 @@ METHODS = {
     "no cutoff": {"nonbondedMethod": app.NoCutoff},
     "reaction field": {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": 1.0},
     "switch": {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": 1.0, "switchDistance": 0.8},
-    "periodic": {"nonbondedMethod": app.CutoffPeriodic, "nonbondedCutoff": 0.35},
 }
 
 # Residues that the force fields have no template for.
@@ -129,14 +128,13 @@ def readSystem(name, forceField):
 
 
 def makeSystem(
-    name, forceField="amber14-all.xml", method="no cutoff", steric=True, solvent=None, options=None, box=None, **choice
+    name, forceField="amber14-all.xml", method="no cutoff", steric=True, solvent=None, options=None, **choice
 ):
     """Return a System, its topology and positions. Without steric, no particle has a radius. The file of an implicit
-    solvent can have options. The positions are the caller's to change. The box is rectangular (nm).
+    solvent can have options. The positions are the caller's to change.
     """
     topology, positions = readSystem(name, forceField)
     positions = positions.copy()
-    topology.setUnitCellDimensions(box)
     files = [forceField] if solvent is None else [forceField, solvent]
     settings = {key: value * unit.nanometer if "utoff" in key else value for key, value in METHODS[method].items()}
     system = forceFieldOf(*files).createSystem(topology, **settings, **(options or {}))
@@ -146,7 +144,6 @@ def makeSystem(
     if not steric:
         for particle in range(force.getNumParticles()):
             force.setParticleParameters(particle, 0)
-    force.setUsesPeriodicBoundaryConditions(system.usesPeriodicBoundaryConditions())
     system.addForce(force)
     return system, topology, positions
 
