@@ -134,6 +134,10 @@ struct PeriodicKind {
     function<double(double width, int i, int j, double r)> computePair = nullptr;
     /** The cutoff of a Force of pairs as a part of the width of the box. */
     double cutoff = 0;
+    /** Compute the energy of two beads without the switch and at any distance, if there is a long-range correction. */
+    function<double(double width, int i, int j, double r)> computeWhole = nullptr;
+    /** Whether a bead interacts with images of itself in the long-range correction. */
+    bool hasSelf = true;
 };
 
 // ---- Lennard-Jones and charges ----
@@ -275,6 +279,31 @@ static bool isInFirstSet(int bead)
     return bead % 3 != 0;
 }
 
+static CustomNonbondedForce* makeGroups(const string& expression, double cutoff)
+{
+    CustomNonbondedForce* force = makeCustomNonbonded(expression, cutoff);
+    set<int> some, all;
+    for (int i = 0; i < NUM_BEADS; i++) {
+        all.insert(i);
+        if (isInFirstSet(i))
+            some.insert(i);
+    }
+    force->addInteractionGroup(some, all);
+    return force;
+}
+
+static double computeSlowDecay(double, int i, int j, double r)
+{
+    return 0.01 * getValue(i) * getValue(j) / pow(r * r + 0.1, 3);
+}
+
+static const string SLOW_DECAY = "0.01*a1*a2/(r^2+0.1)^3";
+
+static double computeSlowDecayOfGroups(double width, int i, int j, double r)
+{
+    return isInFirstSet(i) || isInFirstSet(j) ? computeSlowDecay(width, i, j, r) : 0;
+}
+
 static const vector<PeriodicKind> EXPRESSION_KINDS = {
     {"CustomNonbondedForce",
      [](double width) {
@@ -292,17 +321,35 @@ static const vector<PeriodicKind> EXPRESSION_KINDS = {
          return computeExponential(width, i, j, r) * computeSwitch(r, 0.2 * width, 0.4 * width);
      },
      0.4},
+    {"CustomNonbondedForce, long-range",
+     [](double width) {
+         CustomNonbondedForce* force = makeCustomNonbonded(SLOW_DECAY, 0.5 * width);
+         force->setUseLongRangeCorrection(true);
+         return force;
+     },
+     computeSlowDecay, 0.5, computeSlowDecay},
+    {"CustomNonbondedForce, long-range, switched",
+     [](double width) {
+         CustomNonbondedForce* force = makeCustomNonbonded(SLOW_DECAY, 0.4 * width);
+         force->setUseSwitchingFunction(true);
+         force->setSwitchingDistance(0.2 * width);
+         force->setUseLongRangeCorrection(true);
+         return force;
+     },
+     [](double width, int i, int j, double r) {
+         return computeSlowDecay(width, i, j, r) * computeSwitch(r, 0.2 * width, 0.4 * width);
+     },
+     0.4, computeSlowDecay},
+    {"CustomNonbondedForce, long-range, groups",
+     [](double width) {
+         CustomNonbondedForce* force = makeGroups(SLOW_DECAY, 0.4 * width);
+         force->setUseLongRangeCorrection(true);
+         return force;
+     },
+     computeSlowDecayOfGroups, 0.4, computeSlowDecayOfGroups, false},
     {"CustomNonbondedForce, groups",
      [](double width) {
-         CustomNonbondedForce* force = makeCustomNonbonded(EXPONENTIAL, 0.4 * width);
-         set<int> some, all;
-         for (int i = 0; i < NUM_BEADS; i++) {
-             all.insert(i);
-             if (isInFirstSet(i))
-                 some.insert(i);
-         }
-         force->addInteractionGroup(some, all);
-         return force;
+         return makeGroups(EXPONENTIAL, 0.4 * width);
      },
      [](double width, int i, int j, double r) {
          return isInFirstSet(i) || isInFirstSet(j) ? computeExponential(width, i, j, r) : 0;
@@ -358,6 +405,27 @@ static double sumPairs(const PeriodicKind& kind, const vector<Vec3>& x, const Bo
             }
         }
     return energy;
+}
+
+/**
+ * Compute the long-range correction times the volume of the box: the integral over all space of the energy that pairs,
+ * excluded or not, do not have because of the cutoff and the switch, at the mean density.
+ */
+static double integrateLongRange(const PeriodicKind& kind, double width)
+{
+    const int numSteps = 100;
+    const double cutoff = kind.cutoff * width, begin = 0.2 * width, step = (cutoff - begin) / numSteps;
+    double sum = 0;
+    for (int j = 0; j < NUM_BEADS; j++)
+        for (int i = 0; i <= (kind.hasSelf ? j : j - 1); i++)
+            for (int k = 0; k <= numSteps; k++) { // Simpson's rule, over the cutoff divided by the distance beyond it
+                const double weight = (k == 0 || k == numSteps ? 1 : k % 2 == 1 ? 4 : 2) / 3.0;
+                const double r = begin + k * step, u = max((double)k / numSteps, 1e-9);
+                const double lost = kind.computeWhole(width, i, j, r) - kind.computePair(width, i, j, r);
+                sum += lost * r * r * weight * step +
+                       kind.computeWhole(width, i, j, cutoff / u) * pow(cutoff, 3) / pow(u, 4) * weight / numSteps;
+            }
+    return 4 * M_PI * sum * NUM_BEADS / (NUM_BEADS + 1);
 }
 
 // ---- Terms ----

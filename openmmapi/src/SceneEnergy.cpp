@@ -328,13 +328,15 @@ bool SceneEnergy::update(bool force)
 void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets)
 {
     const ctEnergy* energy = require();
+    double box[3][3], density = 0;
+    if (ctGetBox(scene.tree.get(), box))
+        density = 1 / (box[0][0] * box[1][1] * box[2][2]);
     pairs = ctGetPairEnergy(energy);
-    double box[3][3];
-    if (!terms.nonbonded.empty() && ctGetBox(scene.tree.get(), box))
-        pairs += terms.nonbonded[0].dispersion / (box[0][0] * box[1][1] * box[2][2]);
+    if (!terms.nonbonded.empty())
+        pairs += terms.nonbonded[0].dispersion * density;
     pairSets.resize(terms.pairSets.size());
     for (size_t i = 0; i < pairSets.size(); i++)
-        pairSets[i] = ctGetPairSetEnergy(energy, i);
+        pairSets[i] = ctGetPairSetEnergy(energy, i) + terms.pairSets[i].longRange * density;
     termSets.resize(terms.termSets.size());
     for (size_t i = 0; i < termSets.size(); i++)
         termSets[i] = ctGetTermEnergy(energy, i);

@@ -1,6 +1,10 @@
 #include "lepton/ParsedExpression.h"
 #include "lepton/Parser.h"
+#include "openmm/Context.h"
 #include "openmm/CustomNonbondedForce.h"
+#include "openmm/Platform.h"
+#include "openmm/System.h"
+#include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include "openmmchaintree/internal/ParticleExpressions.h"
@@ -62,8 +66,6 @@ static string translateMethod(const CustomNonbondedForce& force, bool isPeriodic
     set.periodic = isPeriodic && method == CustomNonbondedForce::CutoffPeriodic;
     if (method != CustomNonbondedForce::CutoffNonPeriodic && !set.periodic)
         return "its cutoff is periodic";
-    if (set.periodic && force.getUseLongRangeCorrection())
-        return "openmm-chaintree has no code for its long-range correction";
     set.cutoff = force.getCutoffDistance();
     set.switchingDistance = force.getUseSwitchingFunction() ? force.getSwitchingDistance() : set.cutoff;
     if (!(set.cutoff > 0 && isfinite(set.cutoff) && isfinite(set.switchingDistance)))
@@ -126,6 +128,31 @@ static void translatePairs(const CustomNonbondedForce& force, EnergyTerms::PairS
         force.getInteractionGroupParameters(i, set1, set2);
         set.groups.push_back({vector<int>(set1.begin(), set1.end()), vector<int>(set2.begin(), set2.end())});
     }
+}
+
+/**
+ * Get the long-range correction times the volume of the box: the energy of particles of which no two are within the
+ * cutoff, times the volume of their box.
+ */
+static double measureLongRangeCorrection(const CustomNonbondedForce& force, const Variables& globals)
+{
+    const double spacing = 3 * force.getCutoffDistance(), numPerSide = ceil(cbrt(force.getNumParticles()));
+    const double width = spacing * numPerSide;
+    System system;
+    system.setDefaultPeriodicBoxVectors(Vec3(width, 0, 0), Vec3(0, width, 0), Vec3(0, 0, width));
+    system.addForce(copyCustomNonbonded(force));
+    vector<Vec3> positions;
+    for (int i = 0; i < force.getNumParticles(); i++) {
+        system.addParticle(1);
+        const double row = floor(i / numPerSide), layer = floor(row / numPerSide);
+        positions.push_back(Vec3(i - row * numPerSide, row - layer * numPerSide, layer) * spacing);
+    }
+    VerletIntegrator integrator(0.001);
+    Context context(system, integrator, Platform::getPlatform("Reference"));
+    context.setPositions(positions);
+    for (auto& global : globals)
+        context.setParameter(global.first, global.second);
+    return context.getState(State::Energy).getPotentialEnergy() * pow(width, 3);
 }
 
 // ---- The order of two particles ----
@@ -193,6 +220,8 @@ static string translateCustomNonbonded(const CustomNonbondedForce& force, const 
     translatePairs(force, set);
     if (!isSymmetric(force, globals, functions, set))
         return "its expression is not the same in either order of two particles";
+    if (set.periodic && force.getUseLongRangeCorrection())
+        set.longRange = measureLongRangeCorrection(force, globals);
     terms.pairSets.push_back(set);
     return "";
 }

@@ -69,6 +69,8 @@ public:
         std::vector<std::array<int, 2>> exclusions;
         std::vector<InteractionGroup> groups;
         bool periodic = false;
+        /** As dispersion in Nonbonded. */
+        double longRange = 0;
     };
     /** Generalized Born solvation. */
     struct Born {
