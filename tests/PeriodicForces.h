@@ -12,6 +12,7 @@
 #include "openmm/CustomCentroidBondForce.h"
 #include "openmm/CustomCompoundBondForce.h"
 #include "openmm/CustomExternalForce.h"
+#include "openmm/CustomGBForce.h"
 #include "openmm/CustomNonbondedForce.h"
 #include "openmm/CustomTorsionForce.h"
 #include "openmm/HarmonicAngleForce.h"
@@ -138,6 +139,13 @@ struct PeriodicKind {
     function<double(double width, int i, int j, double r)> computeWhole = nullptr;
     /** Whether a bead interacts with images of itself in the long-range correction. */
     bool hasSelf = true;
+    /** Compute the energy by nearest images, and the sum of the magnitudes of its parts, if it is one of values. */
+    function<double(const vector<Vec3>& x, const Box& box, double width, double& size)> computeValues = nullptr;
+    /** Get whether OpenMM's lists of neighbors decide which pairs count. */
+    bool hasPairs() const
+    {
+        return computePair || computeValues;
+    }
 };
 
 // ---- Lennard-Jones and charges ----
@@ -427,6 +435,66 @@ static double integrateLongRange(const PeriodicKind& kind, double width)
             }
     return 4 * M_PI * sum * NUM_BEADS / (NUM_BEADS + 1);
 }
+
+// ---- Values ----
+
+static Force* makeValues(double width)
+{
+    CustomGBForce* force = new CustomGBForce();
+    force->addPerParticleParameter("a");
+    for (int i = 0; i < NUM_BEADS; i++) {
+        force->addParticle({getValue(i)});
+        for (int j = 0; j < i; j++)
+            if (areExcluded(j, i))
+                force->addExclusion(j, i);
+    }
+    force->addComputedValue("I", "a2*exp(-2*r)", CustomGBForce::ParticlePair);
+    force->addComputedValue("V", "a+1/(1+I^2)", CustomGBForce::SingleParticle);
+    force->addEnergyTerm("3*a*V", CustomGBForce::SingleParticle);
+    force->addEnergyTerm("V1*V2*exp(-3*r)", CustomGBForce::ParticlePairNoExclusions);
+    force->addEnergyTerm("0.3*V1*V2/(0.5+r)", CustomGBForce::ParticlePair);
+    force->setNonbondedMethod(CustomGBForce::CutoffPeriodic);
+    force->setCutoffDistance(0.45 * width);
+    return force;
+}
+
+/**
+ * Call a function for all pairs whose nearest images are within a cutoff.
+ */
+static void forEachNearPair(const vector<Vec3>& x, const Box& box, double cutoff,
+                            function<void(int i, int j, double r)> add)
+{
+    for (int j = 0; j < NUM_BEADS; j++)
+        for (int i = 0; i < j; i++) {
+            const Vec3 apart = reduce(x[i] - x[j], box);
+            const double r = sqrt(apart.dot(apart));
+            if (r < cutoff)
+                add(i, j, r);
+        }
+}
+
+static double computeValues(const vector<Vec3>& x, const Box& box, double width, double& size)
+{
+    vector<double> sums(NUM_BEADS), values;
+    forEachNearPair(x, box, 0.45 * width, [&](int i, int j, double r) {
+        sums[i] += areExcluded(i, j) ? 0 : getValue(j) * exp(-2 * r);
+        sums[j] += areExcluded(i, j) ? 0 : getValue(i) * exp(-2 * r);
+    });
+    double energy = 0;
+    for (int i = 0; i < NUM_BEADS; i++) {
+        values.push_back(getValue(i) + 1 / (1 + sums[i] * sums[i]));
+        energy += 3 * getValue(i) * values[i];
+    }
+    forEachNearPair(x, box, 0.45 * width, [&](int i, int j, double r) {
+        energy += values[i] * values[j] * (exp(-3 * r) + (areExcluded(i, j) ? 0 : 0.3 / (0.5 + r)));
+    });
+    size = energy; // all of its parts are positive
+    return energy;
+}
+
+static const vector<PeriodicKind> VALUE_KINDS = {
+    {"CustomGBForce", makeValues, nullptr, 0, nullptr, true, computeValues},
+};
 
 // ---- Terms ----
 

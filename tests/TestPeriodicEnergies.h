@@ -87,7 +87,7 @@ public:
     {
         box = changed;
         context->setPeriodicBoxVectors(box[0], box[1], box[2]);
-        if (kind.computePair)
+        if (kind.hasPairs())
             cpu = make_unique<OtherContext>(chains.system, "CPU");
     }
     void sample(int numSteps)
@@ -120,7 +120,7 @@ public:
      */
     void assertSmallErrors() const
     {
-        const double rounding = getTolerance(context->getPlatform()) > 1e-12 ? 1e-4 : kind.computePair ? 4e-6 : 1e-11;
+        const double rounding = getTolerance(context->getPlatform()) > 1e-12 ? 1e-4 : kind.hasPairs() ? 4e-6 : 1e-11;
         ASSERT(errors.held < rounding);
         ASSERT(errors.ofCPU < 1e-5);
         if (isRectangular(box))
@@ -140,8 +140,11 @@ private:
             if (nonbonded != NULL)
                 expected += sumBesidePairs(*nonbonded, chains.system, state.getPositions(), box, size);
             expected += longRange / (box[0][0] * box[1][1] * box[2][2]);
-            errors.ofCPU = max(errors.ofCPU, fabs(cpu->computeEnergy(state) - expected) / size);
         }
+        if (kind.computeValues)
+            expected = kind.computeValues(state.getPositions(), box, chains.width, size);
+        if (cpu)
+            errors.ofCPU = max(errors.ofCPU, fabs(cpu->computeEnergy(state) - expected) / size);
         errors.ofReference = max(errors.ofReference, fabs(ofReference - expected) / size);
         errors.held = max(errors.held, fabs(held - expected) / size);
     }
@@ -175,7 +178,7 @@ static void printTable(const string& title, const vector<PeriodicKind>& kinds, c
  */
 void testKindsInBoxes(Platform& platform)
 {
-    for (const vector<PeriodicKind>& kinds : {NONBONDED_KINDS, EXPRESSION_KINDS, TERM_KINDS}) {
+    for (const vector<PeriodicKind>& kinds : {NONBONDED_KINDS, EXPRESSION_KINDS, VALUE_KINDS, TERM_KINDS}) {
         vector<vector<Errors>> errors;
         for (const PeriodicKind& kind : kinds) {
             errors.push_back({});
@@ -190,7 +193,7 @@ void testKindsInBoxes(Platform& platform)
             }
         }
         printTable("Energies held", kinds, errors, &Errors::held);
-        if (kinds[0].computePair) {
+        if (kinds[0].hasPairs()) {
             printTable("Reference platform", kinds, errors, &Errors::ofReference);
             printTable("CPU platform", kinds, errors, &Errors::ofCPU);
         }

@@ -217,13 +217,13 @@ public:
      */
     string checkImages(const EnergyTerms& terms) const
     {
-        if (terms.born.size() > born || terms.valueEnergies.size() > valueEnergies)
-            return "in a periodic box openmm-chaintree has no code for energies of values";
-        bool arePeriodic = true;
+        bool arePeriodic = terms.born.size() == born;
         for (size_t i = nonbonded; i < terms.nonbonded.size(); i++)
             arePeriodic = arePeriodic && terms.nonbonded[i].periodic;
         for (size_t i = pairSets; i < terms.pairSets.size(); i++)
             arePeriodic = arePeriodic && terms.pairSets[i].periodic;
+        for (size_t i = valueEnergies; i < terms.valueEnergies.size(); i++)
+            arePeriodic = arePeriodic && terms.valueEnergies[i].periodic;
         return arePeriodic ? "" : "its pairs have no periodic images, but the StericExclusionForce counts images";
     }
     const size_t nonbonded, born, pairSets, termSets, valueEnergies;

@@ -213,6 +213,9 @@ static set<int> findPeriodicPairs(const EnergyTerms& terms)
     for (const EnergyTerms::PairSet& pairs : terms.pairSets)
         if (pairs.periodic)
             forces.insert(pairs.force);
+    for (const EnergyTerms::ValueEnergy& energy : terms.valueEnergies)
+        if (energy.periodic)
+            forces.insert(energy.force);
     return forces;
 }
 

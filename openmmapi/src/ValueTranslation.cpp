@@ -162,7 +162,7 @@ string ChainTreePlugin::translateValues(const CustomGBForce& force, const Native
                                         EnergyTerms::ValueEnergy& energy)
 {
     energy.cutoff = numeric_limits<double>::infinity();
-    if (force.getNonbondedMethod() == CustomGBForce::CutoffNonPeriodic)
+    if (force.getNonbondedMethod() != CustomGBForce::NoCutoff)
         energy.cutoff = force.getCutoffDistance();
     for (int i = 0; i < force.getNumExclusions(); i++) {
         array<int, 2> exclusion;

@@ -45,9 +45,10 @@ static Force* copyCustomGB(const CustomGBForce& original)
 
 static string translateCustomGB(const CustomGBForce& force, const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic)
+    const bool isPeriodic = setting.isPeriodic && force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic;
+    if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic && !isPeriodic)
         return "its cutoff is periodic";
-    string whyNoBorn = checkBornPartners(terms);
+    string whyNoBorn = isPeriodic ? "trials use no stand-in in a periodic box" : checkBornPartners(terms);
     try {
         if (whyNoBorn.empty()) {
             terms.born.push_back(BornReader(force, setting.parameters).read(setting.index));
@@ -60,6 +61,7 @@ static string translateCustomGB(const CustomGBForce& force, const NativeForceKin
     EnergyTerms::ValueEnergy energy;
     energy.force = setting.index;
     energy.reason = whyNoBorn;
+    energy.periodic = isPeriodic;
     const string reason = translateValues(force, setting.parameters, energy);
     if (reason.empty())
         terms.valueEnergies.push_back(energy);

@@ -104,6 +104,7 @@ public:
         /** Infinite if there is none. */
         double cutoff;
         std::vector<std::array<int, 2>> exclusions;
+        bool periodic = false;
     };
     /** How trials approximate nonbonded and born, with the defaults of TorsionMonteCarloIntegrator. */
     struct StandIn : ctStandIn {

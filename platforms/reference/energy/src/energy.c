@@ -165,14 +165,23 @@ static double lag(const ctEnergy* energy) {
   return ctGetTotalShift(energy->tree) - energy->shift;
 }
 
-/* Fails if the scene is periodic and some part of the energy has no periodic images. */
+/* Fails if the scene is periodic and some part of the energy has no periodic images, or more than one of a pair. */
 static ctStatus checkBox(ctEnergy* energy) {
   double box[3][3];
   if (!ctGetBox(energy->tree, box)) {
     return ctSuccess;
   }
-  if (hasStandIn(energy) || energy->values.count > 0) {
-    return fail(energy, ctInvalidArgument, "in a periodic box there are no Born energies and no energies of values");
+  if (hasStandIn(energy)) {
+    return fail(energy, ctInvalidArgument, "in a periodic box there are no Born energies");
+  }
+  const double half = fmin(box[0][0], fmin(box[1][1], box[2][2])) / 2;
+  for (int i = 0; i < energy->values.count; i++) {
+    const double cutoff = energy->values.energies[i].cutoff;
+    if (!(cutoff <= half)) {
+      return fail(energy, ctInvalidArgument,
+                  "the cutoff of value energy %d is %g nm; it must be at most half the periodic box's width, %g nm", i,
+                  cutoff, half);
+    }
   }
   return ctSuccess;
 }

@@ -45,8 +45,11 @@ ctStatus ctValueEnergiesCompute(ValueEnergies* energies, ctChainTree* tree, bool
   } else if (ctGetTrialPositions(tree, energies->positions) != ctSuccess) {
     return ctNoTrial;
   }
+  double box[3][3];
+  const bool isPeriodic = ctGetBox(tree, box);
   for (int i = 0; i < energies->count; i++) {
-    results[i] = ctValueEnergyCompute(&energies->energies[i], energies->positions);
+    results[i] =
+        ctValueEnergyCompute(&energies->energies[i], energies->positions, isPeriodic ? (const double(*)[3])box : NULL);
   }
   return ctSuccess;
 }

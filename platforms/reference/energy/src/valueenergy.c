@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "blockgap.h"
+#include "blockimages.h"
 #include "checks.h"
+#include "imageframe.h"
 
 /* ---- Life ---- */
 
@@ -60,8 +62,9 @@ static bool build(ValueEnergy* energy, const ctValueEnergy* d) {
   energy->terms = calloc((size_t)d->termCount + 1, sizeof *energy->terms);
   energy->frames = allocateLines((size_t)energy->blockCount + 1, sizeof *energy->frames);
   energy->sums = malloc(((size_t)energy->blockCount + 1) * CT_LEAF_WIDTH * sizeof *energy->sums);
+  energy->positions = malloc((count + 1) * sizeof *energy->positions);
   if (energy->places == NULL || energy->numbers == NULL || energy->values == NULL || energy->terms == NULL ||
-      energy->frames == NULL || energy->sums == NULL) {
+      energy->frames == NULL || energy->sums == NULL || energy->positions == NULL) {
     return false;
   }
   for (size_t i = 0; i < count; i++) {
@@ -110,6 +113,7 @@ void ctValueEnergyFree(ValueEnergy* energy) {
   free(energy->numbers);
   freeLines(energy->frames);
   free(energy->sums);
+  free(energy->positions);
   *energy = (ValueEnergy){0};
 }
 
@@ -117,10 +121,6 @@ void ctValueEnergyFree(ValueEnergy* energy) {
 
 static double* numbersOf(const ValueEnergy* energy, int particle) {
   return energy->numbers + (size_t)particle * (size_t)energy->numbersPerParticle;
-}
-
-static const double* coordinatesOf(const ValueEnergy* energy, int particle) {
-  return numbersOf(energy, particle + 1) - 3;
 }
 
 /* The slots of a block that hold a particle, as bits. */
@@ -132,8 +132,8 @@ static unsigned occupiedOf(const ValueEnergy* energy, int block) {
 static void place(ValueEnergy* energy, const double* positions) {
   for (int block = 0; block < energy->blockCount; block++) {
     ctLeafPositions placed = {.x = {0}};
-    for (unsigned left = occupiedOf(energy, block); left != 0; left &= left - 1) {
-      const int k = __builtin_ctz(left);
+    const int count = __builtin_popcount(occupiedOf(energy, block));
+    for (int k = 0; k < count; k++) {
       const int particle = CT_LEAF_WIDTH * block + k;
       const double* position = positions + 3 * (size_t)particle;
       memcpy(numbersOf(energy, particle + 1) - 3, position, 3 * sizeof *position);
@@ -141,33 +141,55 @@ static void place(ValueEnergy* energy, const double* positions) {
       placed.y[k] = position[1];
       placed.z[k] = position[2];
     }
+    if (energy->isPeriodic) {
+      ctWrapBlock(&energy->box, count, &placed);
+    }
+    for (int k = 0; k < count; k++) {
+      double* wrapped = energy->positions[CT_LEAF_WIDTH * block + k];
+      wrapped[0] = placed.x[k];
+      wrapped[1] = placed.y[k];
+      wrapped[2] = placed.z[k];
+    }
     energy->wide->makeFrame(&placed, occupiedOf(energy, block), &energy->frames[block]);
   }
 }
 
 /* ---- Pairs of blocks ---- */
 
-/* Two blocks as a tape needs them, and which of their pairs count. */
+/* Two blocks as a tape needs them, the first perhaps an image, and which of their pairs count. */
 typedef struct BlockPair {
   int a;
   int b;
+  bool isImage;
+  double shift[3];                 /* of the image */
+  LeafFrame frame;                 /* of the image */
   uint16_t allowed[CT_LEAF_WIDTH]; /* per slot of a, bits: slots of b */
   TapePair pair;
 } BlockPair;
 
 /* False if no two particles of them are within the cutoff. Of a block with itself each pair counts once. */
-static bool openPair(const ValueEnergy* energy, const ValueTape* tape, int a, int b, BlockPair* opened) {
+static bool openPair(const ValueEnergy* energy, const ValueTape* tape, int a, int b, const int image[3],
+                     BlockPair* opened) {
   const size_t width = (size_t)tape->tape.columnCount * CT_LEAF_WIDTH;
-  const LeafFrame* frames = energy->frames;
-  if (energy->range.hasCutoff && squaredGap(&frames[a], &frames[b]) > energy->cutoff * energy->cutoff) {
+  const LeafFrame* frameA = &energy->frames[a];
+  const LeafFrame* frameB = &energy->frames[b];
+  opened->isImage = isShifted(image);
+  opened->shift[0] = opened->shift[1] = opened->shift[2] = 0;
+  if (opened->isImage) {
+    shiftFrame(frameA, energy->box.vectors, image, &opened->frame);
+    imageShift(energy->box.vectors, image, opened->shift);
+    frameA = &opened->frame;
+  }
+  if (energy->range.hasCutoff && squaredGap(frameA, frameB) > energy->cutoff * energy->cutoff) {
     return false;
   }
   opened->a = a;
   opened->b = b;
-  opened->pair = (TapePair){.frames = {&frames[a], &frames[b]},
+  opened->pair = (TapePair){.frames = {frameA, frameB},
                             .columns = {tape->tape.columns + (size_t)a * width, tape->tape.columns + (size_t)b * width},
                             .occupied = {occupiedOf(energy, a), occupiedOf(energy, b)}};
-  const uint16_t* excluded = pairMaskOf(&energy->masks[tape->extent == ctOfPairs ? 0 : 1], a, b);
+  const PairMask* mask = &energy->masks[tape->extent == ctOfPairs ? 0 : 1];
+  const uint16_t* excluded = opened->isImage ? pairMaskOfImage(mask, a, b) : pairMaskOf(mask, a, b);
   for (int k = 0; excluded != NULL && k < CT_LEAF_WIDTH; k++) {
     opened->allowed[k] = (uint16_t)~excluded[k];
     opened->pair.allowed = opened->allowed;
@@ -194,11 +216,11 @@ static void addExactRows(const ValueEnergy* energy, const ValueTape* tape, const
     unsigned others = opened->pair.occupied[1] & (opened->pair.allowed != NULL ? (unsigned)opened->allowed[k] : ~0u);
     for (; others != 0; others &= others - 1) {
       const int j = CT_LEAF_WIDTH * opened->b + __builtin_ctz(others);
-      const double* from = coordinatesOf(energy, i);
-      const double* to = coordinatesOf(energy, j);
-      const double x = to[0] - from[0];
-      const double y = to[1] - from[1];
-      const double z = to[2] - from[2];
+      const double* from = energy->positions[i];
+      const double* to = energy->positions[j];
+      const double x = to[0] - from[0] - opened->shift[0];
+      const double y = to[1] - from[1] - opened->shift[1];
+      const double z = to[2] - from[2] - opened->shift[2];
       const double distance = sqrt(x * x + y * y + z * z);
       if (distance < energy->cutoff) {
         sums[k] +=
@@ -208,6 +230,12 @@ static void addExactRows(const ValueEnergy* energy, const ValueTape* tape, const
   }
 }
 
+/* The images of block a that are near block b. */
+static void findImages(const ValueEnergy* energy, int a, int b, BlockImages* near) {
+  ctFindBlockImages(energy->isPeriodic ? &energy->box : NULL, &energy->frames[a], &energy->frames[b], energy->cutoff,
+                    near);
+}
+
 /* ---- Values ---- */
 
 /* The columns of a tape from the numbers that particles have now. */
@@ -215,21 +243,30 @@ static void setColumns(const ValueEnergy* energy, ValueTape* tape) {
   ctTapeSetParameters(&tape->tape, energy->particleCount, energy->places, energy->numbers, energy->numbersPerParticle);
 }
 
-static void computeSums(ValueEnergy* energy, ValueTape* tape) {
+/* Adds what particles of block a, or of an image of it, have with block b. */
+static void addSums(ValueEnergy* energy, ValueTape* tape, int a, int b, const int image[3]) {
+  double* sums = energy->sums + CT_LEAF_WIDTH * a;
   BlockPair opened;
+  if (!openPair(energy, tape, a, b, image, &opened)) {
+    return;
+  }
+  if (a == b && !opened.isImage) {
+    allowBothOrders(&opened);
+  }
+  if (tape->tape.isExact || !energy->wide->addTapeRows(&tape->tape, &opened.pair, &energy->range, sums)) {
+    addExactRows(energy, tape, &opened, sums);
+  }
+}
+
+static void computeSums(ValueEnergy* energy, ValueTape* tape) {
+  BlockImages near;
   memset(energy->sums, 0, (size_t)energy->blockCount * CT_LEAF_WIDTH * sizeof *energy->sums);
   setColumns(energy, tape);
   for (int a = 0; a < energy->blockCount; a++) {
-    double* sums = energy->sums + CT_LEAF_WIDTH * a;
     for (int b = 0; b < energy->blockCount; b++) {
-      if (!openPair(energy, tape, a, b, &opened)) {
-        continue;
-      }
-      if (a == b) {
-        allowBothOrders(&opened);
-      }
-      if (tape->tape.isExact || !energy->wide->addTapeRows(&tape->tape, &opened.pair, &energy->range, sums)) {
-        addExactRows(energy, tape, &opened, sums);
+      findImages(energy, a, b, &near);
+      for (int i = 0; i < near.count; i++) {
+        addSums(energy, tape, a, b, near.images[i]);
       }
     }
   }
@@ -268,24 +305,39 @@ static double exactEnergy(const ValueEnergy* energy, const ValueTape* tape, cons
   return sum;
 }
 
-static double energyOfPairs(const ValueEnergy* energy, ValueTape* tape) {
+/* The energy of block b with block a, or with an image of it. */
+static double energyOfBlocks(const ValueEnergy* energy, ValueTape* tape, int a, int b, const int image[3]) {
   BlockPair opened;
+  if (!openPair(energy, tape, a, b, image, &opened)) {
+    return 0;
+  }
+  const double sum = tape->tape.isExact ? NAN : energy->wide->tapeEnergy(&tape->tape, &opened.pair, &energy->range);
+  return isfinite(sum) ? sum : exactEnergy(energy, tape, &opened);
+}
+
+static double energyOfPairs(const ValueEnergy* energy, ValueTape* tape) {
+  BlockImages near;
   double sum = 0;
   setColumns(energy, tape);
   for (int a = 0; a < energy->blockCount; a++) {
     for (int b = a; b < energy->blockCount; b++) {
-      if (openPair(energy, tape, a, b, &opened)) {
-        const double ofPair =
-            tape->tape.isExact ? NAN : energy->wide->tapeEnergy(&tape->tape, &opened.pair, &energy->range);
-        sum += isfinite(ofPair) ? ofPair : exactEnergy(energy, tape, &opened);
+      findImages(energy, a, b, &near);
+      for (int i = 0; i < near.count; i++) {
+        if (a != b || isFirstOfOpposite(near.images[i])) {
+          sum += energyOfBlocks(energy, tape, a, b, near.images[i]);
+        }
       }
     }
   }
   return sum;
 }
 
-double ctValueEnergyCompute(ValueEnergy* energy, const double* positions) {
+double ctValueEnergyCompute(ValueEnergy* energy, const double* positions, const double (*box)[3]) {
   double sum = 0;
+  energy->isPeriodic = box != NULL;
+  if (box != NULL) {
+    energy->box = makePeriodicBox(box);
+  }
   place(energy, positions);
   for (int i = 0; i < energy->valueCount; i++) {
     computeValue(energy, i);

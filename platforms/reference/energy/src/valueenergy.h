@@ -3,6 +3,7 @@
 #define CT_VALUEENERGY_H_
 
 #include "pairmask.h"
+#include "periodicbox.h"
 #include "wide.h"
 
 /* A value or a term. */
@@ -30,6 +31,11 @@ typedef struct ValueEnergy {
   PairMask masks[2]; /* of ctOfPairs, and of ctOfAllPairs */
   LeafFrame* frames; /* per block */
   double* sums;      /* per particle: those of a value */
+
+  /* Where particles are, each in the image that is nearest to the first of its block. */
+  double (*positions)[3];
+  bool isPeriodic;
+  PeriodicBox box;
 } ValueEnergy;
 
 enum { COORDINATES = 3 };
@@ -44,7 +50,7 @@ ctStatus ctValueEnergyCreate(ValueEnergy* energy, const ctChainTree* tree, int p
                              const ctValueEnergy* description, int number, char* errorText, size_t errorSize);
 void ctValueEnergyFree(ValueEnergy* energy);
 
-/* The energy of 3 * particleCount coordinates. */
-double ctValueEnergyCompute(ValueEnergy* energy, const double* positions);
+/* The energy of 3 * particleCount coordinates; `box`: the vectors of the periodic box, or NULL. */
+double ctValueEnergyCompute(ValueEnergy* energy, const double* positions, const double (*box)[3]);
 
 #endif /* CT_VALUEENERGY_H_ */

@@ -50,6 +50,41 @@ static const ctOperation placeOperations[] = {{ctInputOperator, {0}, 0},       {
                                               {ctMultiplyOperator, {0, 7}, 0}};
 static const ctExpression placeExpression = {2, placeInputs, 9, placeOperations};
 
+/* The values: the sum over pairs of q' exp(-r); its square and q. The energy: that times x / 10, and with the values v
+ * of two particles v v' exp(-3 r), of excluded pairs too, and v v' exp(-r), which is too large for floats on the way.
+ */
+static const ctOperation sumOperations[] = {{ctInputOperator, {0}, 0},
+                                            {ctNegateOperator, {0}, 0},
+                                            {ctExpOperator, {1}, 0},
+                                            {ctParameterOperator, {3}, 0},
+                                            {ctMultiplyOperator, {2, 3}, 0}};
+static const ctOperation squareOperations[] = {{ctParameterOperator, {1}, 0},
+                                               {ctSquareOperator, {0}, 0},
+                                               {ctParameterOperator, {0}, 0},
+                                               {ctAddOperator, {1, 2}, 0}};
+static const ctOperation coordinateOperations[] = {{ctParameterOperator, {2}, 0},
+                                                   {ctParameterOperator, {3}, 0},
+                                                   {ctMultiplyOperator, {0, 1}, 0},
+                                                   {ctMultiplyConstantOperator, {2}, 0.1}};
+static const ctOperation productOperations[] = {{ctInputOperator, {0}, 0},       {ctMultiplyConstantOperator, {0}, -3},
+                                                {ctExpOperator, {1}, 0},         {ctParameterOperator, {2}, 0},
+                                                {ctMultiplyOperator, {2, 3}, 0}, {ctParameterOperator, {5}, 0},
+                                                {ctMultiplyOperator, {4, 5}, 0}};
+static const ctOperation largeOperations[] = {{ctInputOperator, {0}, 0},
+                                              {ctNegateOperator, {0}, 0},
+                                              {ctExpOperator, {1}, 0},
+                                              {ctMultiplyConstantOperator, {2}, 1e60},
+                                              {ctParameterOperator, {2}, 0},
+                                              {ctMultiplyOperator, {3, 4}, 0},
+                                              {ctParameterOperator, {5}, 0},
+                                              {ctMultiplyOperator, {5, 6}, 0},
+                                              {ctMultiplyConstantOperator, {7}, 1e-60}};
+static const ctValueExpression valuesOfParticles[] = {{ctOfPairs, 5, sumOperations, 0, NULL},
+                                                      {ctOfParticles, 4, squareOperations, 0, NULL}};
+static const ctValueExpression termsOfValues[] = {{ctOfParticles, 4, coordinateOperations, 0, NULL},
+                                                  {ctOfAllPairs, 7, productOperations, 0, NULL},
+                                                  {ctOfPairs, 9, largeOperations, 0, NULL}};
+
 static void fillModel(Model* m, double width) {
   for (int i = 0; i < PARTICLES; i++) {
     m->listed[i] = 1;
@@ -215,9 +250,44 @@ static void computeEnergies(const Model* m, const ctEnergyDefinition* d, const d
   }
 }
 
+/* The value energy, and the sum of the magnitudes of its pairs. */
+static double computeValueEnergy(const Model* m, const double (*box)[3], const double* positions, double* size) {
+  static double distances[PARTICLES][PARTICLES];
+  double values[PARTICLES] = {0};
+  double energy = 0;
+  *size = 1;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int j = 0; j < i; j++) {
+      int n[3];
+      nearestImage(positions, i, j, box, n);
+      const double r = (double)imageDistance(positions, i, j, box, n);
+      distances[i][j] = r;
+      if (r < m->cutoff && !isExcluded(&m->scene, i, j)) {
+        values[i] += m->charges[j] * exp(-r);
+        values[j] += m->charges[i] * exp(-r);
+      }
+    }
+  }
+  for (int i = 0; i < PARTICLES; i++) {
+    values[i] = values[i] * values[i] + m->charges[i];
+    energy += 0.1 * values[i] * positions[3 * i];
+    *size += fabs(0.1 * values[i] * positions[3 * i]);
+    for (int j = 0; j < i; j++) {
+      const double r = distances[i][j];
+      if (r < m->cutoff) {
+        const double ofPair = values[i] * values[j] * (exp(-3 * r) + (isExcluded(&m->scene, i, j) ? 0 : exp(-r)));
+        energy += ofPair;
+        *size += fabs(ofPair);
+      }
+    }
+  }
+  return energy;
+}
+
 /* Describes the energy in arrays that are kept by the caller. */
 static ctEnergyDefinition describeEnergy(const Model* m, const ctDefinition* scene, ctNonbonded* nonbonded,
-                                         ctPairSet* pairSet, ctInteractionGroup* group, ctTermSet sets[SETS]) {
+                                         ctPairSet* pairSet, ctInteractionGroup* group, ctTermSet sets[SETS],
+                                         ctValueEnergy* values) {
   *nonbonded = (ctNonbonded){.charges = m->charges,
                              .sigmas = m->sigmas,
                              .epsilons = m->epsilons,
@@ -237,6 +307,15 @@ static ctEnergyDefinition describeEnergy(const Model* m, const ctDefinition* sce
                          .exclusions = scene->exclusions,
                          .groupCount = 1,
                          .groups = group};
+  *values = (ctValueEnergy){.parametersPerParticle = 1,
+                            .parameters = m->charges,
+                            .valueCount = 2,
+                            .values = valuesOfParticles,
+                            .termCount = 3,
+                            .terms = termsOfValues,
+                            .cutoff = m->cutoff,
+                            .exclusionCount = scene->exclusionCount,
+                            .exclusions = scene->exclusions};
   sets[0] = (ctTermSet){.kind = ctHarmonicBondTerm,
                         .count = BONDS,
                         .particlesPerTerm = 2,
@@ -291,7 +370,9 @@ static ctEnergyDefinition describeEnergy(const Model* m, const ctDefinition* sce
                               .pairSetCount = 1,
                               .pairSets = pairSet,
                               .termSetCount = SETS,
-                              .termSets = sets};
+                              .termSets = sets,
+                              .valueEnergyCount = 1,
+                              .valueEnergies = values};
 }
 
 static void checkEnergies(const ctEnergy* energy, const Energies* expected) {
@@ -309,11 +390,12 @@ static void testBox(const double (*box)[3]) {
   ctPairSet pairSet;
   ctInteractionGroup group;
   ctTermSet sets[SETS];
+  ctValueEnergy values;
   char text[200];
   ctDefinition scene = describeScene(&model.scene, box, 0.1);
   fillModel(&model, fmin(fmin(box[0][0], box[1][1]), box[2][2]));
   scene.listed = model.listed;
-  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets);
+  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets, &values);
   ctChainTree* tree = checkedCreate(&scene);
   ctEnergy* energy;
   CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
@@ -349,9 +431,16 @@ static void testBox(const double (*box)[3]) {
       expected += after.value[e] - before.value[e];
     }
     CHECK_NEAR(change, expected, 1e-4 + 3e-6 * (before.size + after.size));
+    double ofValues;
+    double size;
+    const double expectedOfValues = computeValueEnergy(&model, box, positions, &size);
+    CHECK(ctComputeValueEnergies(energy, true, &ofValues) == ctSuccess);
+    CHECK_NEAR(ofValues, expectedOfValues, 1e-6 * size);
     if (drawn() < 0.6) {
+      double ofState;
       CHECK_SUCCESS(ctAccept(tree, NULL));
       CHECK(ctAcceptEnergyChange(energy) == ctSuccess);
+      CHECK(ctComputeValueEnergies(energy, false, &ofState) == ctSuccess && ofState == ofValues);
       before = after;
     }
     checkEnergies(energy, &before);
@@ -368,11 +457,12 @@ static void testNarrowBox(void) {
   ctPairSet pairSet;
   ctInteractionGroup group;
   ctTermSet sets[SETS];
+  ctValueEnergy values;
   char text[200];
   ctDefinition scene = describeScene(&model.scene, boxes[0], 0.1);
   fillModel(&model, 5);
   scene.listed = model.listed;
-  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets);
+  const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets, &values);
   ctChainTree* tree = checkedCreate(&scene);
   ctEnergy* energy;
   CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
@@ -381,6 +471,9 @@ static void testNarrowBox(void) {
   CHECK(!ctIsEnergyOfState(energy));
   CHECK(ctRefreshEnergy(energy, NULL) == ctInvalidArgument);
   CHECK(strstr(ctGetEnergyErrorText(energy), "half the periodic box's width, 2 nm") != NULL);
+  double ofValues;
+  CHECK(ctComputeValueEnergies(energy, false, &ofValues) == ctInvalidArgument);
+  CHECK(strstr(ctGetEnergyErrorText(energy), "of value energy 0 is 2.5 nm; it must be at most half") != NULL);
   ctDestroyEnergy(energy);
   ctDestroy(tree);
 }
