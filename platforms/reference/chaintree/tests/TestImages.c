@@ -1,7 +1,27 @@
-/* Trials and queries in periodic boxes, against all images of all pairs in long double. */
-enum { CHAINS = 6, TRIALS = 150 };
+/* Trials and queries in periodic boxes, against all images of all pairs in long double.
+ *
+ * Usage: TestImages [trials of each box] [seed]. */
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
+enum { CHAINS = 6, DRIFT_TRIALS = 150 };
 
 #include "periodic.h"
+
+static int trialCount = 100;
+
+/* What happened: proof that the comparison was about something. */
+static struct Tally {
+  long trials, clashes, byImageAlone, doubtful, accepted, neighbors, listedClashes, changed, boxes;
+} tally;
+
+/* A hash of verdicts, positions, and listed pairs with their values. */
+static uint64_t answers;
+
+static void note(double value) {
+  uint64_t bits;
+  memcpy(&bits, &value, sizeof bits);
+  answers = (answers ^ bits) * 0x100000001b3u;
+}
 
 /* A trial: links that change, and positions before and in it. */
 typedef struct Trial {
@@ -21,55 +41,64 @@ static bool isPivot(const Scene* scene, const Trial* trial, int particle) {
   return false;
 }
 
-/* Whether some pair whose distance changes clashes. `doubtful`: that hangs on less than CT_SIGMA, or on a distance from
- * a pivot, which is the same but is tested. */
-static bool clashes(const Scene* scene, const Trial* trial, const double (*box)[3], double tolerance, bool* byImage,
-                    bool* doubtful) {
-  bool isClash = false;
-  bool isClashHere = false;
-  *doubtful = false;
+static double squaredDistance(const double* positions, int i, int j, const double shift[3]) {
+  double squared = 0;
+  for (int d = 0; d < 3; d++) {
+    const double apart = positions[3 * i + d] - positions[3 * j + d] + shift[d];
+    squared += apart * apart;
+  }
+  return squared;
+}
+
+typedef struct Verdict {
+  bool isClash;
+  bool isClashHere; /* without images */
+  bool isDoubtful;  /* it hangs on less than CT_SIGMA, or on a distance from a pivot, which is the same but is tested */
+} Verdict;
+
+/* Whether a pair whose distance changes clashes in an image. */
+static void judgeImage(const Scene* scene, const Trial* trial, const double (*box)[3], int i, int j, const int n[3],
+                       double contact, Verdict* verdict) {
+  const long double distance = imageDistance(trial->after, i, j, box, n);
+  const double overlap = (double)(contact - distance);
+  if (overlap <= -CT_SIGMA) {
+    return;
+  }
+  if (fabs((double)(imageDistance(trial->before, i, j, box, n) - distance)) > 1e-11) {
+    verdict->isDoubtful = verdict->isDoubtful || overlap < CT_SIGMA;
+    verdict->isClash = verdict->isClash || overlap > 0;
+    verdict->isClashHere = verdict->isClashHere || (overlap > 0 && n[0] == 0 && n[1] == 0 && n[2] == 0);
+  } else {
+    verdict->isDoubtful = verdict->isDoubtful || isPivot(scene, trial, i) || isPivot(scene, trial, j);
+  }
+}
+
+static Verdict judge(const Scene* scene, const Trial* trial, const double (*box)[3], double tolerance) {
+  Verdict verdict = {false, false, false};
   for (int i = 0; i < PARTICLES; i++) {
     for (int j = 0; j < i; j++) {
       if (scene->radii[i] == 0 || scene->radii[j] == 0 || isExcluded(scene, i, j)) {
         continue;
       }
+      const double contact = scene->radii[i] + scene->radii[j] - tolerance;
       int middle[3];
       nearestImage(trial->after, i, j, box, middle);
       for (int image = 0; image < 27; image++) {
         const int n[3] = {middle[0] + image % 3 - 1, middle[1] + image / 3 % 3 - 1, middle[2] + image / 9 - 1};
-        const long double distance = imageDistance(trial->after, i, j, box, n);
-        const double overlap = (double)(scene->radii[i] + scene->radii[j] - distance) - tolerance;
-        if (overlap <= -CT_SIGMA) {
-          continue;
+        double shift[3];
+        for (int d = 0; d < 3; d++) {
+          shift[d] = n[0] * box[0][d] + n[1] * box[1][d] + n[2] * box[2][d];
         }
-        if (fabs((double)(imageDistance(trial->before, i, j, box, n) - distance)) > 1e-11) {
-          *doubtful = *doubtful || overlap < CT_SIGMA;
-          isClash = isClash || overlap > 0;
-          isClashHere = isClashHere || (overlap > 0 && n[0] == 0 && n[1] == 0 && n[2] == 0);
-        } else {
-          *doubtful = *doubtful || isPivot(scene, trial, i) || isPivot(scene, trial, j);
+        if (squaredDistance(trial->after, i, j, shift) < (contact + 1e-4) * (contact + 1e-4)) {
+          judgeImage(scene, trial, box, i, j, n, contact, &verdict);
         }
       }
     }
   }
-  *byImage = isClash && !isClashHere;
-  return isClash;
+  return verdict;
 }
 
 /* ---- Queries of the state ---- */
-
-/* The nearest image, for any distance: the least of 125 about the reduced one. */
-static double nearestDistance(const double* positions, int i, int j, const double (*box)[3]) {
-  int middle[3];
-  long double least = INFINITY;
-  nearestImage(positions, i, j, box, middle);
-  for (int image = 0; image < 125; image++) {
-    const int n[3] = {middle[0] + image % 5 - 2, middle[1] + image / 5 % 5 - 2, middle[2] + image / 25 - 2};
-    const long double distance = imageDistance(positions, i, j, box, n);
-    least = distance < least ? distance : least;
-  }
-  return (double)least;
-}
 
 typedef struct Listed {
   double value[PARTICLES][PARTICLES]; /* of pairs j < i; 0: not listed */
@@ -81,6 +110,8 @@ static bool list(void* context, int particle1, int particle2, double value) {
   CHECK(particle1 < particle2);
   listed->twice = listed->twice || listed->value[particle2][particle1] != 0;
   listed->value[particle2][particle1] = value;
+  note(particle1 * PARTICLES + particle2);
+  note(value);
   return true;
 }
 
@@ -106,6 +137,7 @@ static void checkNeighbors(const Scene* scene, ctChainTree* tree, const double* 
       const double found = listed.value[i][j];
       CHECK(found == 0 ? !counts || distance > cutoff - CT_SIGMA : counts && fabs(found - distance) < 1e-12);
       expected += found != 0;
+      tally.neighbors += found != 0;
     }
   }
   size_t count = 0;
@@ -135,6 +167,7 @@ static void checkClashes(const Scene* scene, ctChainTree* tree, const double* po
       CHECK(found == 0 ? !counts || overlap < tolerance + CT_SIGMA : counts && fabs(found - overlap) < 1e-12);
       sum += counts && overlap > tolerance ? 0.5 * (overlap - tolerance) * (overlap - tolerance) : 0;
       some = some || found != 0;
+      tally.listedClashes += found != 0;
     }
   }
   double energy;
@@ -215,55 +248,113 @@ static void checkChanged(const Scene* scene, ctChainTree* tree, const Trial* tri
       } else {
         CHECK(counts && (before < cutoff + CT_SIGMA || after < cutoff + CT_SIGMA));
         CHECK(after > cutoff || fabs(found - after) < 1e-12);
+        tally.changed++;
       }
     }
   }
 }
 
-static void testBox(const double (*box)[3], int* clashing, int* byImageAlone) {
-  static Scene scene;
-  const double tolerance = 0.1;
-  ctChainTree* tree = makeScene(&scene, box, tolerance);
-  static Trial trial;
-  for (int t = 0; t < TRIALS; t++) {
-    trial.count = 1 + (drawn() < 0.3);
-    for (int c = 0; c < trial.count; c++) {
-      ctChange* change = &trial.changes[c];
-      change->link =
-          c == 0 ? (int)(drawn() * LINKS) : (trial.changes[0].link + 1 + (int)(drawn() * (LINKS - 1))) % LINKS;
-      const bool isFree = scene.joints[change->link] == ctFreeJoint;
-      const bool turns = !isFree || drawn() < 0.7;
-      const double most = drawn() < 0.5 ? 0.2 : 3;
-      for (int d = 0; d < 3; d++) {
-        change->rotation[d] = turns ? drawnBetween(-most, most) : 0;
-        change->translation[d] = drawnBetween(-most, most);
-        change->pivot[d] = drawnBetween(0, 3);
-      }
+/* ---- Trials ---- */
+
+/* Draws one change or two: often of the rod, and often pure translations. */
+static void drawTrial(const Scene* scene, Trial* trial) {
+  trial->count = 1 + (drawn() < 0.3);
+  const int first = drawn() < 0.2 ? LINKS - 1 : (int)(drawn() * LINKS);
+  for (int c = 0; c < trial->count; c++) {
+    ctChange* change = &trial->changes[c];
+    change->link = c == 0 ? first : (first + 1 + (int)(drawn() * (LINKS - 1))) % LINKS;
+    const bool isFree = scene->joints[change->link] == ctFreeJoint;
+    const bool turns = !isFree || drawn() < 0.7;
+    const double most = drawn() < 0.5 ? 0.2 : 3;
+    for (int d = 0; d < 3; d++) {
+      change->rotation[d] = turns ? drawnBetween(-most, most) : 0;
+      change->translation[d] = drawnBetween(-most, most);
+      change->pivot[d] = drawnBetween(0, 3);
     }
+  }
+}
+
+/* A scene that is made again and given the state has the bits of the one that trials have changed. */
+static void checkRebuilt(const ctDefinition* definition, ctChainTree* tree, double cutoff) {
+  static Listed listed[2];
+  static double positions[2][3 * PARTICLES];
+  ctChainTree* again = checkedCreate(definition);
+  double* numbers = malloc(ctGetStateSize(tree) * sizeof *numbers);
+  ctGetState(tree, numbers);
+  CHECK_SUCCESS(ctSetState(again, numbers));
+  memset(listed, 0, sizeof listed);
+  ctChainTree* const both[2] = {tree, again};
+  bool clash[2];
+  double energy[2];
+  for (int k = 0; k < 2; k++) {
+    ctGetPositions(both[k], positions[k]);
+    CHECK_SUCCESS(ctForEachNeighborPair(both[k], cutoff, list, &listed[k], NULL));
+    CHECK_SUCCESS(ctHasClash(both[k], &clash[k], NULL, NULL));
+    CHECK_SUCCESS(ctComputeEnergy(both[k], 1, &energy[k], NULL, NULL));
+  }
+  CHECK(memcmp(positions[0], positions[1], sizeof positions[0]) == 0);
+  CHECK(memcmp(listed[0].value, listed[1].value, sizeof listed[0].value) == 0);
+  CHECK(clash[0] == clash[1] && energy[0] == energy[1]);
+  free(numbers);
+  ctDestroy(again);
+}
+
+static void checkState(const Scene* scene, const ctDefinition* definition, ctChainTree* tree, double tolerance) {
+  static double positions[3 * PARTICLES];
+  const double(*box)[3] = definition->box;
+  const double width = fmin(fmin(box[0][0], box[1][1]), box[2][2]);
+  const double cutoff = drawn() < 0.5 ? width / 2 : 0.3 * width;
+  ctGetPositions(tree, positions);
+  for (int i = 0; i < 3 * PARTICLES; i++) {
+    note(positions[i]);
+  }
+  checkNeighbors(scene, tree, positions, box, cutoff);
+  checkClashes(scene, tree, positions, box, tolerance);
+  checkMinimumDistance(tree, positions, box);
+  checkProbe(scene, tree, positions, box, tolerance);
+  checkRebuilt(definition, tree, cutoff);
+}
+
+/* Trials in a box that changes from time to time. */
+static void testBox(const double (*first)[3]) {
+  static Scene scene;
+  static Trial trial;
+  const double tolerance = 0.1;
+  double box[3][3];
+  memcpy(box, first, sizeof box);
+  ctDefinition definition = describeScene(&scene, (const double(*)[3])box, tolerance);
+  ctChainTree* tree = checkedCreate(&definition);
+  for (int t = 0; t < trialCount; t++) {
+    if (t % 50 == 25) {
+      const double scale = drawnBetween(1, 1.2);
+      for (int k = 0; k < 9; k++) {
+        box[k / 3][k % 3] = scale * first[k / 3][k % 3];
+      }
+      CHECK_SUCCESS(ctSetBox(tree, definition.box));
+      tally.boxes++;
+    }
+    drawTrial(&scene, &trial);
     bool clash;
-    bool doubtful;
-    bool byImage;
     ctGetPositions(tree, trial.before);
     CHECK_SUCCESS(ctPropose(tree, trial.count, trial.changes));
     CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
     CHECK_SUCCESS(ctGetTrialPositions(tree, trial.after));
-    const bool expected = clashes(&scene, &trial, box, tolerance, &byImage, &doubtful);
-    CHECK(clash == expected || doubtful);
-    *clashing += expected;
-    *byImageAlone += byImage;
-    const double width = fmin(fmin(box[0][0], box[1][1]), box[2][2]);
+    const Verdict verdict = judge(&scene, &trial, definition.box, tolerance);
+    CHECK(clash == verdict.isClash || verdict.isDoubtful);
+    note(clash);
+    tally.trials++;
+    tally.clashes += verdict.isClash;
+    tally.byImageAlone += verdict.isClash && !verdict.isClashHere;
+    tally.doubtful += verdict.isDoubtful;
     if (t % 10 == 0) {
-      checkChanged(&scene, tree, &trial, box, 0.4 * width);
+      checkChanged(&scene, tree, &trial, definition.box, 0.4 * fmin(fmin(box[0][0], box[1][1]), box[2][2]));
     }
     if (!clash || drawn() < 0.1) {
       CHECK_SUCCESS(ctAccept(tree, NULL));
+      tally.accepted++;
     }
     if (t % 30 == 0) {
-      ctGetPositions(tree, trial.before);
-      checkNeighbors(&scene, tree, trial.before, box, drawn() < 0.5 ? width / 2 : 0.3 * width);
-      checkClashes(&scene, tree, trial.before, box, tolerance);
-      checkMinimumDistance(tree, trial.before, box);
-      checkProbe(&scene, tree, trial.before, box, tolerance);
+      checkState(&scene, &definition, tree, tolerance);
     }
   }
   CHECK(ctValidate(tree));
@@ -310,7 +401,7 @@ static void testEquallyNear(void) {
  */
 static void testDrift(const double (*box)[3]) {
   static Scene scene;
-  enum { AWAY = 300 };
+  enum { AWAY = 10000 };
   state = 5;
   ctChainTree* near = makeScene(&scene, box, 0.1);
   double away[LINKS][3] = {{0}};
@@ -336,7 +427,7 @@ static void testDrift(const double (*box)[3]) {
   ctChainTree* far = makeScene(&scene, box, 0.1);
   CHECK_SUCCESS(ctSetPositions(far, positions[1]));
   ctCounts counts[2] = {{0}};
-  for (int t = 0; t < TRIALS; t++) {
+  for (int t = 0; t < DRIFT_TRIALS; t++) {
     ctChange change[2] = {{.link = (int)(drawn() * LINKS)}};
     for (int d = 0; d < 3; d++) {
       change[0].rotation[d] = drawnBetween(-1, 1);
@@ -363,7 +454,7 @@ static void testDrift(const double (*box)[3]) {
   for (int i = 0; i < 3 * PARTICLES; i++) {
     CHECK_NEAR(positions[1][i], positions[0][i] + away[scene.links[i / 3]][i % 3], 1e-10);
   }
-  CHECK(counts[1].volumeTests < 2 * counts[0].volumeTests);
+  CHECK(counts[1].volumeTests < 10 * counts[0].volumeTests); /* molecules are wrapped elsewhere */
   CHECK(ctValidate(far));
   double* numbers = malloc(ctGetStateSize(far) * sizeof *numbers);
   ctGetState(far, numbers);
@@ -413,18 +504,33 @@ static void testFaults(void) {
   ctDestroy(tree);
 }
 
-int main(void) {
+int main(int argumentCount, char** arguments) {
+  static const char* const sets[] = {"avx512", "avx2", "portable"};
+  if (argumentCount > 1) {
+    trialCount = atoi(arguments[1]);
+  }
+  const uint32_t seed = argumentCount > 2 ? (uint32_t)strtoul(arguments[2], NULL, 10) : 1;
   testEquallyNear();
   testFaults();
   for (int box = 0; box < BOXES; box++) {
     testDrift(boxes[box]);
   }
-  int clashing = 0;
-  int byImage = 0;
   for (int box = 0; box < BOXES; box++) {
-    testBox(boxes[box], &clashing, &byImage);
+    uint64_t ofWidest = 0;
+    for (int set = 0; set < 3; set++) {
+      setenv("CHAINTREE_SIMD", sets[set], 1);
+      state = seed + (uint32_t)box;
+      answers = 0;
+      testBox(boxes[box]);
+      ofWidest = set == 0 ? answers : ofWidest;
+      CHECK(answers == ofWidest);
+    }
   }
-  printf("%d clashes of %d trials, %d by images alone\n", clashing, BOXES * TRIALS, byImage);
-  CHECK(clashing > BOXES * TRIALS / 20 && clashing < BOXES * TRIALS * 19 / 20 && byImage > clashing / 10);
+  printf("%ld trials, %ld accepted; %ld clashes, %ld by images alone, %ld within rounding; %ld changes of the box\n",
+         tally.trials, tally.accepted, tally.clashes, tally.byImageAlone, tally.doubtful, tally.boxes);
+  printf("listed: %ld neighbors, %ld clashes, %ld changed pairs\n", tally.neighbors, tally.listedClashes,
+         tally.changed);
+  CHECK(tally.clashes > tally.trials / 20 && tally.clashes < tally.trials * 19 / 20);
+  CHECK(tally.byImageAlone > tally.clashes / 10);
   return checkResult();
 }

@@ -1,9 +1,16 @@
-/* Pairs of leaves in periodic boxes, against the boxes around all leaves in all images in double. */
-enum { CHAINS = 20, TRIALS = 10 };
+/* Pairs of leaves in periodic boxes, against the boxes around all leaves in all images in double.
+ *
+ * Usage: TestLeafImages [trials of each box] [seed]. */
+enum { CHAINS = 20 };
 
 #include "periodic.h"
 
 enum { MOST_LEAVES = 40, REACH = 9 };
+
+/* Listed pairs, and of these the pairs with an image. */
+typedef struct Tally {
+  long pairs, withImage;
+} Tally;
 
 /* Gaps so close (nm) to the cutoff may be on either side of it, and a box may be larger than its particles by that. */
 #define ALLOWANCE 1e-3
@@ -90,13 +97,10 @@ static bool isListed(size_t count, const ctLeafPair* pairs, int a, int b, const 
   return times > 0;
 }
 
-/* Each pair of leaves and image is listed once if it is near and changes, and no other. Returns how many with images.
- */
-static int checkList(ctChainTree* tree, const double (*box)[3], double cutoff, const Bodies* bodies, int leafCount,
-                     const LeafBox* before, const LeafBox* after, size_t count, const ctLeafPair* pairs) {
+/* Each pair of leaves and image is listed once if it is near and changes, and no other. */
+static void checkList(const double (*box)[3], double cutoff, const Bodies* bodies, int leafCount, const LeafBox* before,
+                      const LeafBox* after, size_t count, const ctLeafPair* pairs, Tally* tally) {
   size_t listed = 0;
-  int images = 0;
-  (void)tree;
   for (int a = 0; a < leafCount; a++) {
     for (int b = a; b < leafCount; b++) {
       const bool some[2] = {changes(bodies, a, b, false), changes(bodies, a, b, true)};
@@ -119,15 +123,15 @@ static int checkList(ctChainTree* tree, const double (*box)[3], double cutoff, c
         const bool found = isListed(count, pairs, a, b, n, gap);
         CHECK(found || gap > cutoff);
         listed += found;
-        images += found && isImage;
+        tally->withImage += found && isImage;
       }
     }
   }
   CHECK(listed == count);
-  return images;
+  tally->pairs += (long)listed;
 }
 
-static void testBox(const double (*box)[3], int* images) {
+static void testBox(const double (*box)[3], int trialCount, Tally* ofStates, Tally* ofTrials) {
   static Scene scene;
   static LeafBox before[MOST_LEAVES];
   static LeafBox after[MOST_LEAVES];
@@ -136,7 +140,7 @@ static void testBox(const double (*box)[3], int* images) {
   const double width = fmin(fmin(box[0][0], box[1][1]), box[2][2]);
   CHECK(leafCount <= MOST_LEAVES);
   ctGetLeafParticles(tree, particles);
-  for (int t = 0; t < TRIALS; t++) {
+  for (int t = 0; t < trialCount; t++) {
     const double cutoff = t % 4 == 0 ? width / 2 : drawnBetween(0.05, 0.3) * width;
     ctChange changes[2] = {{0}};
     const int changeCount = 1 + (drawn() < 0.3);
@@ -160,7 +164,7 @@ static void testBox(const double (*box)[3], int* images) {
     }
     if (t % 10 == 0) {
       CHECK_SUCCESS(ctGetLeafPairs(tree, cutoff, &count, &pairs, NULL));
-      images[0] += checkList(tree, box, cutoff, &bodies, leafCount, before, before, count, pairs);
+      checkList(box, cutoff, &bodies, leafCount, before, before, count, pairs, ofStates);
     }
     CHECK_SUCCESS(ctPropose(tree, changeCount, changes));
     CHECK_SUCCESS(ctGetChangedLeafPairs(tree, cutoff, &count, &pairs, &positions, NULL));
@@ -179,7 +183,7 @@ static void testBox(const double (*box)[3], int* images) {
       }
       boxLeaf(&moved, particles + CT_LEAF_WIDTH * a, &after[a]);
     }
-    images[1] += checkList(tree, box, cutoff, &bodies, leafCount, before, after, count, pairs);
+    checkList(box, cutoff, &bodies, leafCount, before, after, count, pairs, ofTrials);
     for (size_t i = 0; i < count; i++) {
       for (int k = 0; k < 2; k++) { /* positions of listed leaves are those of the trial */
         LeafBox listed;
@@ -310,15 +314,19 @@ static void testRefusals(void) {
   ctDestroy(tree);
 }
 
-int main(void) {
-  int images[2] = {0, 0};
+int main(int argumentCount, char** arguments) {
+  const int trialCount = argumentCount > 1 ? atoi(arguments[1]) : 10;
+  Tally ofStates = {0, 0};
+  Tally ofTrials = {0, 0};
   testRefusals();
   testRod();
+  state = argumentCount > 2 ? (uint32_t)strtoul(arguments[2], NULL, 10) : 1;
   for (int box = 0; box < BOXES; box++) {
-    const int before[2] = {images[0], images[1]};
-    testBox(boxes[box], images);
-    CHECK(images[0] > before[0] && images[1] > before[1]);
+    const long before[2] = {ofStates.withImage, ofTrials.withImage};
+    testBox(boxes[box], trialCount, &ofStates, &ofTrials);
+    CHECK(ofStates.withImage > before[0] && ofTrials.withImage > before[1]);
   }
-  printf("%d pairs with images in states, %d in trials\n", images[0], images[1]);
+  printf("%ld pairs in states, %ld with images; %ld in %d trials, %ld with images\n", ofStates.pairs,
+         ofStates.withImage, ofTrials.pairs, BOXES * trialCount, ofTrials.withImage);
   return checkResult();
 }

@@ -1,4 +1,4 @@
-/* Scenes in periodic boxes: chains of beads and a rigid body, and the images of their pairs in long double. */
+/* Scenes in periodic boxes: chains of beads and a rigid rod, and the images of their pairs in long double. */
 #ifndef PERIODIC_H_
 #define PERIODIC_H_
 
@@ -43,7 +43,7 @@ typedef struct Scene {
   int exclusions[CHAINS * BEADS][2];
 } Scene;
 
-/* Chains of beads that turn about each other, and one rigid body, all about one box wide. */
+/* Chains of beads that turn about each other, about one box wide, and a rigid rod that is several boxes long. */
 static inline ctDefinition describeScene(Scene* scene, const double (*box)[3], double tolerance) {
   memset(scene, 0, sizeof *scene);
   int exclusionCount = 0;
@@ -52,7 +52,8 @@ static inline ctDefinition describeScene(Scene* scene, const double (*box)[3], d
     const bool isHead = isRigid ? i == CHAINS * BEADS : i % BEADS == 0;
     double* x = scene->positions + 3 * i;
     for (int d = 0; d < 3; d++) {
-      x[d] = isHead ? drawnBetween(0, 1.5) * box[d][d] : x[d - 3] + drawnBetween(-0.3, 0.4);
+      const double step = drawnBetween(-0.3, 0.4);
+      x[d] = isHead ? drawnBetween(0, 1.5) * box[d][d] : x[d - 3] + (isRigid ? 0.45 + 0.1 * step : step);
     }
     scene->radii[i] = i % 7 == 3 ? 0 : drawnBetween(0.05, 0.15);
     const int link = isRigid ? CHAINS * BEADS : i;
@@ -112,6 +113,27 @@ static inline void nearestImage(const double* positions, int i, int j, const dou
       apart[d] += n[k] * box[k][d];
     }
   }
+}
+
+/* The nearest image, for any distance: the least of 125 about the reduced one. */
+static inline double nearestDistance(const double* positions, int i, int j, const double (*box)[3]) {
+  int middle[3];
+  int nearest[3] = {0, 0, 0};
+  double apart[3];
+  double least = INFINITY;
+  nearestImage(positions, i, j, box, middle);
+  for (int image = 0; image < 125; image++) {
+    const int n[3] = {middle[0] + image % 5 - 2, middle[1] + image / 5 % 5 - 2, middle[2] + image / 25 - 2};
+    for (int d = 0; d < 3; d++) {
+      apart[d] = positions[3 * i + d] - positions[3 * j + d] + n[0] * box[0][d] + n[1] * box[1][d] + n[2] * box[2][d];
+    }
+    const double squared = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
+    if (squared < least) {
+      least = squared;
+      memcpy(nearest, n, sizeof nearest);
+    }
+  }
+  return (double)imageDistance(positions, i, j, box, nearest);
 }
 
 #endif /* PERIODIC_H_ */
