@@ -252,6 +252,38 @@ void testScaledCorrection(Platform& platform)
     ASSERT_EQUAL_TOL(energy, reference.computeEnergy(context.getState(State::Positions)), 1e-6);
 }
 
+/**
+ * Molecules that are set elsewhere by sums of box vectors have the same energy.
+ */
+void testLatticeVectors(Platform& platform)
+{
+    const Box& box = BOXES[5].vectors;
+    PeriodicChains chains(box);
+    chains.system.addForce(NONBONDED_KINDS.back().make(chains.width));
+    chains.system.addForce(EXPRESSION_KINDS[0].make(chains.width));
+    for (int kind : {0, 2, 3})
+        chains.system.addForce(TERM_KINDS[kind].make(chains.width));
+    Sampler integrator(300);
+    addMoves(integrator, chains.width);
+    Context context(chains.system, integrator, platform);
+    context.setPositions(chains.positions);
+    mt19937 random(11);
+    uniform_int_distribution<int> count(-10000, 10000);
+    for (int i = 0; i < 5; i++) {
+        integrator.step(2);
+        const double expected = integrator.getPotentialEnergy(context);
+        vector<Vec3> positions = getPositions(context);
+        for (int chain = 0; chain < NUM_CHAINS; chain++) {
+            const Vec3 shift = box[0] * count(random) + box[1] * count(random) + box[2] * count(random);
+            for (int bead = chain * LENGTH; bead < (chain + 1) * LENGTH; bead++)
+                positions[bead] += shift;
+        }
+        context.setPositions(positions);
+        const double tolerance = 2e-6 + 100 * getRounding(platform);
+        ASSERT(fabs(expected - integrator.getPotentialEnergy(context)) <= tolerance * (100 + fabs(expected)));
+    }
+}
+
 static void assertForeign(const Sampler& integrator, Context& context, int force, const string& reason)
 {
     const Sampler::PlannedEnergy planned = integrator.getEnergyPlan(context)[force];
@@ -336,6 +368,7 @@ void testPeriodicEnergies(Platform& platform)
     testKindsInBoxes(platform);
     testForcesTogether(platform);
     testScaledCorrection(platform);
+    testLatticeVectors(platform);
     testForeignInBox(platform);
     testPairsWithoutImages(platform);
     testSpheresWithoutImages(platform);

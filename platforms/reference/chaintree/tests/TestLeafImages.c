@@ -39,11 +39,14 @@ static void boxLeaf(const ctLeafPositions* leaf, const int* own, LeafBox* box) {
   }
 }
 
+static double gapAlong(const LeafBox* a, const LeafBox* b, int d, double shift) {
+  return fmax(fmax(b->low[d] - a->high[d] - shift, a->low[d] + shift - b->high[d]), 0);
+}
+
 static double gapOf(const LeafBox* a, const LeafBox* b, const double shift[3]) {
   double squared = 0;
   for (int d = 0; d < 3; d++) {
-    const double gap = fmax(fmax(b->low[d] - a->high[d] - shift[d], a->low[d] + shift[d] - b->high[d]), 0);
-    squared += gap * gap;
+    squared += gapAlong(a, b, d, shift[d]) * gapAlong(a, b, d, shift[d]);
   }
   return sqrt(squared);
 }
@@ -97,38 +100,71 @@ static bool isListed(size_t count, const ctLeafPair* pairs, int a, int b, const 
   return times > 0;
 }
 
-/* Each pair of leaves and image is listed once if it is near and changes, and no other. */
-static void checkList(const double (*box)[3], double cutoff, const Bodies* bodies, int leafCount, const LeafBox* before,
-                      const LeafBox* after, size_t count, const ctLeafPair* pairs, Tally* tally) {
-  size_t listed = 0;
-  for (int a = 0; a < leafCount; a++) {
-    for (int b = a; b < leafCount; b++) {
-      const bool some[2] = {changes(bodies, a, b, false), changes(bodies, a, b, true)};
-      if (before[a].isEmpty || before[b].isEmpty) {
-        continue;
-      }
-      for (int image = 0; image < (2 * REACH + 1) * (2 * REACH + 1) * (2 * REACH + 1); image++) {
-        const int side = 2 * REACH + 1;
-        const int n[3] = {image % side - REACH, image / side % side - REACH, image / side / side - REACH};
-        const bool isImage = n[0] != 0 || n[1] != 0 || n[2] != 0;
-        const bool isFirst = n[2] != 0 ? n[2] > 0 : n[1] != 0 ? n[1] > 0 : n[0] > 0;
-        double shift[3];
-        for (int d = 0; d < 3; d++) {
-          shift[d] = n[0] * box[0][d] + n[1] * box[1][d] + n[2] * box[2][d];
-        }
-        const double gap = fmin(gapOf(&before[a], &before[b], shift), gapOf(&after[a], &after[b], shift));
-        if (gap > cutoff + ALLOWANCE || !some[isImage] || (a == b && isImage && !isFirst)) {
-          continue;
-        }
-        const bool found = isListed(count, pairs, a, b, n, gap);
-        CHECK(found || gap > cutoff);
-        listed += found;
-        tally->withImage += found && isImage;
+/* Two leaves before and in a trial, and the list that has to have them if they are near. */
+typedef struct LeafPairCheck {
+  int a;
+  int b;
+  const LeafBox* before[2];
+  const LeafBox* after[2];
+  bool changes[2]; /* without an image, with one */
+  double cutoff;
+  size_t count;
+  const ctLeafPair* pairs;
+} LeafPairCheck;
+
+static bool isFarAlong(const LeafPairCheck* c, int d, double shift) {
+  return fmin(gapAlong(c->before[0], c->before[1], d, shift), gapAlong(c->after[0], c->after[1], d, shift)) >
+         c->cutoff + ALLOWANCE;
+}
+
+static void checkImage(const LeafPairCheck* c, const int n[3], const double shift[3], Tally* tally) {
+  const bool isImage = n[0] != 0 || n[1] != 0 || n[2] != 0;
+  const bool isFirst = n[2] != 0 ? n[2] > 0 : n[1] != 0 ? n[1] > 0 : n[0] > 0;
+  const double gap = fmin(gapOf(c->before[0], c->before[1], shift), gapOf(c->after[0], c->after[1], shift));
+  if (gap > c->cutoff + ALLOWANCE || !c->changes[isImage] || (c->a == c->b && isImage && !isFirst)) {
+    return;
+  }
+  const bool found = isListed(c->count, c->pairs, c->a, c->b, n, gap);
+  CHECK(found || gap > c->cutoff);
+  tally->pairs += found;
+  tally->withImage += found && isImage;
+}
+
+/* Later vectors do not reach into the dimensions of earlier ones. */
+static void checkImages(const LeafPairCheck* c, const double (*box)[3], Tally* tally) {
+  int n[3];
+  for (n[2] = -REACH; n[2] <= REACH; n[2]++) {
+    const double z = n[2] * box[2][2];
+    for (n[1] = -REACH; n[1] <= REACH && !isFarAlong(c, 2, z); n[1]++) {
+      const double y = n[2] * box[2][1] + n[1] * box[1][1];
+      for (n[0] = -REACH; n[0] <= REACH && !isFarAlong(c, 1, y); n[0]++) {
+        const double shift[3] = {n[2] * box[2][0] + n[1] * box[1][0] + n[0] * box[0][0], y, z};
+        checkImage(c, n, shift, tally);
       }
     }
   }
-  CHECK(listed == count);
-  tally->pairs += (long)listed;
+}
+
+/* Each pair of leaves and image is listed once if it is near and changes, and no other. */
+static void checkList(const double (*box)[3], double cutoff, const Bodies* bodies, int leafCount, const LeafBox* before,
+                      const LeafBox* after, size_t count, const ctLeafPair* pairs, Tally* tally) {
+  const long formerPairs = tally->pairs;
+  for (int a = 0; a < leafCount; a++) {
+    for (int b = a; b < leafCount; b++) {
+      if (!before[a].isEmpty && !before[b].isEmpty) {
+        const LeafPairCheck check = {.a = a,
+                                     .b = b,
+                                     .before = {&before[a], &before[b]},
+                                     .after = {&after[a], &after[b]},
+                                     .changes = {changes(bodies, a, b, false), changes(bodies, a, b, true)},
+                                     .cutoff = cutoff,
+                                     .count = count,
+                                     .pairs = pairs};
+        checkImages(&check, box, tally);
+      }
+    }
+  }
+  CHECK(tally->pairs - formerPairs == (long)count);
 }
 
 static void testBox(const double (*box)[3], int trialCount, Tally* ofStates, Tally* ofTrials) {
@@ -315,7 +351,7 @@ static void testRefusals(void) {
 }
 
 int main(int argumentCount, char** arguments) {
-  const int trialCount = argumentCount > 1 ? atoi(arguments[1]) : 10;
+  const int trialCount = argumentCount > 1 ? atoi(arguments[1]) : 40;
   Tally ofStates = {0, 0};
   Tally ofTrials = {0, 0};
   testRefusals();
