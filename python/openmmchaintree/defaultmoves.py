@@ -15,6 +15,8 @@ _CLOSED_STEP, _CLOSED_PEPTIDE_STEP = 8, 2  # degrees
 _BEND_STEP, _BEND_STIFFNESS = 4, 10000  # degrees, nm⁻²
 _RIGID_STEP = 0.02, 2  # nm, degrees
 _BOUND_STEP = 0.01, 1  # of molecules that touch others
+_CHAIN_STEP = 0.1, 5  # of chains of beads
+_FAR = 2  # nm, without a box
 _RIGID_WEIGHT = 0.1  # to one for all torsions and joints
 _MINOR = ("peptide bonds", "rotors", "planar groups")
 _MINOR_SHARE = 0.1  # the largest share of trials, so that the other torsions move hardly more slowly
@@ -29,6 +31,16 @@ class _Weights(NamedTuple):
     endsDrawn: float
     pivots: float
 
+
+class _BeadWeights(NamedTuple):
+    """The weights of moves of beads: large and small pivots, and crankshafts."""
+
+    pivots: float
+    smallPivots: float
+    crankshafts: float
+
+
+_BEADS_ALONE, _BEADS_AMONG_CHAINS = _BeadWeights(0.72, 0.18, 0.1), _BeadWeights(0.15, 0.15, 0.7)
 
 _NUCLEOTIDES = _Weights(0.6, 0.2, 0.15, 0, 0.05)
 
@@ -52,13 +64,13 @@ def addDefaultMoves(
     """Add moves that suit a System to an integrator: for proteins, nucleic acids, chains of beads, other molecules.
 
     The weights for folded proteins maximize the number of independent samples a second of torsions and of the RMSD in
-    implicit solvent, those for loose chains that of the radius of gyration (benchmarks/moves.py). Backbones of
-    proteins and nucleic acids get closed and local moves, which keep the rest of a chain in place, turns of the ends of
-    chains, and few turns elsewhere. Side chains get small turns, and are drawn from the density of their rotamers:
+    implicit solvent (benchmarks/moves.py), those for loose chains and beads that of the radius of gyration. Backbones
+    of proteins and nucleic acids get closed and local moves, which keep the rest of a chain in place, turns of the ends
+    of chains, and few turns elsewhere. Side chains get small turns, and are drawn from the density of their rotamers:
     mostly from their first torsion on, which is the slowest. Side chains at the ends of chains are drawn more often,
     since their salt bridges hold loose ends. Bases, and torsions of other kinds, get small turns and are drawn
-    uniformly. Ball joints get pivot moves. Molecules without fixed particles get rigid-body moves if there is more than
-    one molecule.
+    uniformly. Ball joints get pivot and crankshaft moves. Molecules without fixed particles get rigid-body moves if
+    there is more than one molecule; chains of beads also large ones, which exchange chains between phases.
 
     Sizes were chosen by measurement. Acceptance may be low: closed moves of up to 8 degrees gave more independent
     samples than smaller ones that were accepted twice as often. So let sizes adapt
@@ -116,17 +128,36 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
         adder.close(1, _CLOSED_STEP, sorted(adder.inRings), "rings of closures")
     if scene.force.getNumBallJoints() > 0:
         adder.begin("beads", shares["beads"])
-        adder.pivot("chains of beads, all directions", 0.8, HALF_TURN)
-        adder.pivot("chains of beads where there is no room", 0.2, _BALL_STEP)
+        _addBeads(adder, scene)
     if rigidBodies:
         adder.begin("rigid body", 1.0)
-        adder.shift("where molecules are", _RIGID_WEIGHT, *rigidStep, rigidBodies)
+        _addRigidBodies(adder, scene, rigidBodies, rigidStep)
     if not adder.added:
         raise ValueError(
             "there is nothing to move: no torsion but in loops and rings of too few torsions for closed moves, no ball "
             "joint, and no molecule beside another"
         )
     return adder
+
+
+def _addBeads(adder, scene):
+    """Add moves of ball joints: mostly pivots for a single chain, crankshafts where chains hinder each other."""
+    weights = _BEADS_AMONG_CHAINS if scene.moleculeCount > 1 else _BEADS_ALONE
+    hasPieces = scene.canTurnPieces()
+    factor = 1 if hasPieces else 1 / (weights.pivots + weights.smallPivots)
+    adder.pivot("chains of beads, all directions", factor * weights.pivots, HALF_TURN)
+    adder.pivot("chains of beads where there is no room", factor * weights.smallPivots, _BALL_STEP)
+    if hasPieces:
+        adder.crank("chains of beads, piece by piece", weights.crankshafts, HALF_TURN)
+
+
+def _addRigidBodies(adder, scene, molecules, step):
+    if scene.force.getNumBallJoints() == 0:
+        adder.shift("where molecules are", _RIGID_WEIGHT, *step, molecules)
+        return
+    adder.shift("where chains are", 0.5 * _RIGID_WEIGHT, *_CHAIN_STEP, molecules)
+    farthest = round(0.5 * scene.boxLength, 3) if scene.boxLength else _FAR
+    adder.shift("chains to anywhere", 0.5 * _RIGID_WEIGHT, farthest, HALF_TURN, molecules)
 
 
 def _areMinor(scene):

@@ -103,6 +103,10 @@ class MoveAdder:
         """Add a pivot move of all ball joints."""
         self.add(purpose, f"±{degrees}°", weight, self.integrator.addPivotMove, degrees * _DEGREE)
 
+    def crank(self, purpose, weight, degrees):
+        """Add a crankshaft move of all ball joints."""
+        self.add(purpose, f"crankshaft ±{degrees}°", weight, self.integrator.addCrankshaftMove, degrees * _DEGREE)
+
     def shift(self, purpose, weight, length, degrees, molecules):
         """Add a rigid-body move of molecules; the length is in nm."""
         size = f"{length} nm, ±{degrees}°"

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import openmm
+from openmm import unit
 
 from .graphs import connectedParts, growTrees, neighborLists
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
@@ -126,21 +127,37 @@ class MoveScene:
         first = np.unique(self._parts, return_index=True)[1]
         return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
 
+    @property
+    def boxLength(self):
+        """The longest edge (nm) of the periodic box, 0 without one."""
+        if not self.force.usesPeriodicBoundaryConditions():
+            return 0.0
+        vectors = self._system.getDefaultPeriodicBoxVectors()
+        return max(float(np.linalg.norm(vector.value_in_unit(unit.nanometer))) for vector in vectors)
+
     def canClose(self, torsions):
-        """Return whether closed moves find windows among torsions, by making a Context of hard spheres alone."""
+        """Return whether closed moves find windows among torsions."""
+        return self._canAdd(lambda integrator: integrator.addClosedMove(1, 0.1, torsions), "window")
+
+    def canTurnPieces(self):
+        """Return whether crankshaft moves find pieces of chains between ball joints."""
+        return self._canAdd(lambda integrator: integrator.addCrankshaftMove(1, 0.1), "no three of its ball joints")
+
+    def _canAdd(self, addMove, complaint):
+        """Return whether a Context of hard spheres alone takes a move, or complains in words with `complaint`."""
         bare = openmm.System()
         for particle in range(self._system.getNumParticles()):
             isVirtual = self._system.isVirtualSite(particle)
             bare.addParticle(1 if isVirtual else self._system.getParticleMass(particle))
         bare.addForce(copy.copy(self.force))
         integrator = TorsionMonteCarloIntegrator(0)
-        integrator.addClosedMove(1, 0.1, torsions)
+        addMove(integrator)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # those of the force come again with the user's Context
             try:
                 openmm.Context(bare, integrator, openmm.Platform.getPlatformByName("Reference"))
             except openmm.OpenMMException as error:
-                if "window" not in str(error):
+                if complaint not in str(error):
                     raise
                 return False
         return True

@@ -1,11 +1,12 @@
 """The mixtures of moves that addDefaultMoves adds."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import openmm
 import pytest
-from openmm import app
+from openmm import app, unit
 from openmmchaintree import (
     AddedMoves,
     StericExclusionForce,
@@ -239,25 +240,55 @@ def test_drudeParticlesMustBeBonded():
         addDefaultMoves(integrator, topology, system)
 
 
-def test_beads():
+def beads(length, chains, box=None):
+    """Return the Topology and force of chains of hard beads, in a cubic box of this size (nm)."""
     topology = app.Topology()
-    for _ in range(2):
+    for _ in range(chains):
         chain = topology.addChain()
-        for _ in range(6):
-            topology.addAtom("CA", app.element.carbon, topology.addResidue("BEA", chain))
-    atoms = list(topology.atoms())
-    for first in (0, 6):
-        for bead in range(first, first + 5):
-            topology.addBond(atoms[bead], atoms[bead + 1])
-    force = createStericExclusionForce(topology, radii=[0.2] * 12, torsions=(), bondCutoff=1, ballJoints="bonds")
+        atoms = [topology.addAtom("CA", app.element.carbon, topology.addResidue("BEA", chain)) for _ in range(length)]
+        for before, atom in pairwise(atoms):
+            topology.addBond(before, atom)
+    radii = [0.2] * topology.getNumAtoms()
+    force = createStericExclusionForce(topology, radii=radii, torsions=(), bondCutoff=1, ballJoints="bonds")
+    force.setUsesPeriodicBoundaryConditions(box is not None)
+    return topology, force
+
+
+def test_beads():
+    topology, force = beads(6, 2)
     integrator, added, system = add(topology, force)
-    assert kindsOf(integrator) == [integrator.PivotMove, integrator.PivotMove, integrator.RigidBodyMove]
-    assert [one.purpose for one in added][-1] == "where molecules are"
+    pivots, bodies = [integrator.PivotMove] * 2, [integrator.RigidBodyMove] * 2
+    assert kindsOf(integrator) == [*pivots, integrator.CrankshaftMove, *bodies]
+    assert [one.purpose for one in added][-2:] == ["where chains are", "chains to anywhere"]
+    assert integrator.getRigidBodyMoveParameters(4)[1] == 2 * unit.nanometer
+    openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
     # A fixed molecule is not moved as a body.
     system.setParticleMass(0, 0)
     other = TorsionMonteCarloIntegrator(300)
     addDefaultMoves(other, topology, system)
-    assert other.getRigidBodyMoveParameters(2)[3].tolist() == [6]
+    assert other.getRigidBodyMoveParameters(3)[3].tolist() == [6]
+    # In a box, a chain may go anywhere.
+    topology, force = beads(6, 2, box=8)
+    system = openmm.System()
+    for _ in topology.atoms():
+        system.addParticle(1)
+    system.setDefaultPeriodicBoxVectors([8, 0, 0], [0, 8, 0], [3, 0, 12])
+    system.addForce(force)
+    other = TorsionMonteCarloIntegrator(300)
+    addDefaultMoves(other, topology, system)
+    assert other.getRigidBodyMoveParameters(4)[1] == 6.185 * unit.nanometer
+
+
+def test_aChainOfBeadsAlone():
+    """It gets more pivots than one among others, no rigid-body moves, and no crankshafts if it is too short."""
+    weights = {}
+    for length, chains in ((6, 1), (6, 2), (3, 1)):
+        integrator, added, _ = add(*beads(length, chains))
+        ofPivots = [one.description for one in added if integrator.getMoveType(one.move) == integrator.PivotMove]
+        weights[length, chains] = sum(float(re.search(r"weight ([\d.e-]+)", text)[1]) for text in ofPivots)
+        if chains == 1:
+            assert kindsOf(integrator)[2:] == ([integrator.CrankshaftMove] if length == 6 else [])
+    assert weights == {(6, 1): pytest.approx(0.9), (6, 2): pytest.approx(0.3), (3, 1): pytest.approx(1)}
 
 
 def test_otherTorsionsAreTurnedToo():
