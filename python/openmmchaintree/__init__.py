@@ -14,6 +14,7 @@ loadPlugin()
 registerParser()
 
 from . import _build  # noqa: E402
+from .bondlengths import setBondLengths  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
@@ -76,4 +77,5 @@ __all__ = [
     "ramachandranDensities",
     "rotamerDensities",
     "selectAtoms",
+    "setBondLengths",
 ]

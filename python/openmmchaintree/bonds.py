@@ -34,7 +34,7 @@ class BondGraph(BondSearch):
     """
 
     def __init__(
-        self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=(), others=()
+        self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=(), others=(), beads=()
     ):
         """Find the bonds of a Topology: those it has, those of residue templates, and, with positions, by distance.
 
@@ -52,10 +52,12 @@ class BondGraph(BondSearch):
             the fixed atoms
         others : iterable of (int, int), optional
             bonds that the Topology lacks, lower index first
+        beads : set of int, optional
+            as in a BondSearch
         """
         if topology.getNumAtoms() == 0:
             raise ValueError("the Topology has no atoms")
-        super().__init__(topology, positions, others)
+        super().__init__(topology, positions, others, beads)
         closing = self._bondsOf(closures, fixed)
         cut = [*(self.disulfides if cutDisulfides else []), *(self.metalBonds if cutMetals else [])]
         self.cut = [bond for bond in cut if bond not in closing]

@@ -91,7 +91,7 @@ class BondSearch:
     hasBox : bool
         whether the Topology has a periodic box
     numbers : (n,) int array
-        atomic numbers, 0 for extra particles and pseudo-atoms
+        atomic numbers, 0 for extra particles, pseudo-atoms and beads
     residueOf : (n,) int array
         the index of the residue of each atom
     hasTemplate : (n,) bool array
@@ -99,10 +99,11 @@ class BondSearch:
     notes : list of Note
     """
 
-    def __init__(self, topology, positions=None, others=()):
+    def __init__(self, topology, positions=None, others=(), beads=()):
         """Find the bonds; by distance only with positions, an (n, 3) float64 array in nm. O(n log n).
 
         others : iterable of (int, int), bonds that the Topology lacks, lower index first
+        beads : set of int, atoms whose element counts for nothing; `others` has all bonds between them
 
         Raises
         ------
@@ -114,6 +115,8 @@ class BondSearch:
         self._chains = [list(chain.residues()) for chain in topology.chains()]
         self.residueOf = np.array([atom.residue.index for atom in self.atoms], dtype=int)
         self.numbers = atomicNumbers(self.atoms)
+        self._beads = beads
+        self.numbers[list(beads)] = 0
         self._box = boxOf(topology) if positions is not None else None
         self.hasBox = self._box is not None
         self.positions = positions
@@ -145,6 +148,8 @@ class BondSearch:
         for bond in topology.bonds():
             pair = _sorted(bond[0].index, bond[1].index)
             if pair in self._bonds:  # files may list a bond more than once
+                continue
+            if pair[0] in self._beads and pair[1] in self._beads:
                 continue
             if self.residueOf[pair[0]] != self.residueOf[pair[1]] and self._distance(pair) > LONGEST_LINK:
                 if self._isLink(pair):
@@ -282,6 +287,8 @@ class BondSearch:
             if not _areOnePolymer(residue1, residue2) or (residue1.index, residue2.index) in known:
                 continue
             if isAlphaCarbonOnly(residue1) or isAlphaCarbonOnly(residue2):
+                continue
+            if any(atom.index in self._beads for residue in (residue1, residue2) for atom in residue.atoms()):
                 continue
             ends = next(iter(self._facingEnds(residue1, residue2)), ())
             if any(end in linked for end in ends):  # with a residue elsewhere in the file

@@ -6,10 +6,11 @@ import numpy as np
 import openmm
 from openmm import app
 
+from .beadnetwork import BeadNetwork
 from .bonds import LOOPS, BondGraph, Closures, defaultClosures
 from .graphs import growTrees, ringBonds
 from .naming import describeResidue, nameAtom
-from .notes import Note, found, warnOf
+from .notes import Note, countOf, found, warnOf
 from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
@@ -56,7 +57,7 @@ def createStericExclusionForce(
     forceGroup: int = 31,
     unknownRadius: Number | None = None,
     cutMetals: bool = False,
-    ballJoints: str | Iterable[tuple[int, int]] = (),
+    ballJoints: str | Iterable[tuple[int, int]] | None = None,
     closures: Closures | None = None,
     fixed: AtomSelection | None = None,
     system: openmm.System | None = None,
@@ -98,10 +99,11 @@ def createStericExclusionForce(
         the force group of the force; by default one that other forces seldom use
     unknownRadius : float or Quantity, optional
         the radius in nm of atoms whose element has no radius in the set. Default: such atoms are an error.
-    ballJoints : "bonds" or iterable of (int, int)
+    ballJoints : "bonds" or iterable of (int, int), optional
         pairs of bonded atoms: the molecule turns freely about the first one. Or "bonds" for all bonds that lie in no
         ring and have no torsion: each turns about its atom that is nearer to the molecule's lowest-numbered atom, so
-        that every bond of a chain can take any direction. For models of beads use ``torsions=()``,
+        that every bond of a chain can take any direction. Default: the bonds of beads if the `system` has the energies
+        of a force field (see below), else none. For hard beads without a System use ``torsions=()``,
         ``ballJoints="bonds"``, radii, and usually ``bondCutoff=1``. If a bead is fixed that is not the first of its
         molecule, give pairs that lead away from it.
     closures : "disulfides", "loops" or an iterable of these and of (int, int)
@@ -121,6 +123,13 @@ def createStericExclusionForce(
         a warning lists bonds outside rings that stay rigid. If one of its Forces uses periodic boundary conditions, the
         force does, too (`StericExclusionForce.setUsesPeriodicBoundaryConditions`); without a System it does not.
 
+    Beads are recognized in a System with energies of pairs: particles whose bonds are all longer than covalent bonds,
+    as in CALVADOS, COCOMO and Mpipi. They have no radius by default, since their energies keep them apart, no torsions,
+    and a ball joint at each bond, also of a Topology that calls them CA. Bonds stay as long as they are in the
+    positions (`setBondLengths` changes that). An elastic network of harmonic bonds, such as that of a folded domain,
+    makes a part rigid: joints lie between such parts. Other bonds that close rings, and those that join chains and that
+    the Topology lacks, are left to their energies. Warnings list these parts and bonds.
+
     Returns
     -------
     StericExclusionForce
@@ -136,20 +145,27 @@ def createStericExclusionForce(
     if positions is not None:
         positions = positionsInNm(positions, topology.getNumAtoms())
     held = np.empty(0, dtype=int) if fixed is None else selectAtoms(topology, fixed)
-    others, moving = [], []
+    others, moving, network = [], [], None
+    hasEnergies = system is not None and hasPairEnergies(system)
     if system is not None:
         checkParticles(topology, system)
         massless = fixedParticles(system)
         moving = np.setdiff1d(held, massless).tolist()
         held = np.union1d(held, massless)
         others = bondsOfBareAtoms(topology, system)
-    hasEnergies = system is not None and hasPairEnergies(system)
+    if hasEnergies:
+        network = BeadNetwork(topology, system, positions)
+        others = [*network.bonds, *(pair for pair in others if not network.beads.issuperset(pair))]
     if closures is None:
         closures = defaultClosures(hasEnergies, cutDisulfides)
-    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held, others)
+    beads = network.beads if network else ()
+    graph = BondGraph(topology, positions, cutDisulfides, cutMetals, closures, held, others, beads)
+    kinds = torsions
     if torsions is None:
-        torsions = KINDS_WITH_ENERGIES if hasEnergies else ("phi", "psi", "chi")
-    search = _torsionsOf(graph, topology, torsions, held)
+        kinds = KINDS_WITH_ENERGIES if hasEnergies else ("phi", "psi", "chi")
+    search = _torsionsOf(graph, topology, kinds, held)
+    if network and ballJoints is None:
+        search, ballJoints = _turnBeads(search, network, torsions is None)
     force = makeForce(graph, search.torsions, radii, bondCutoff, forceGroup, unknownRadius)
     force.setUsesPeriodicBoundaryConditions(system is not None and isPeriodic(system))
     joints = _ballJointsOf(graph, search.torsions, ballJoints)
@@ -160,6 +176,8 @@ def createStericExclusionForce(
         rigid = bondsThatStay(graph, search.torsions, held.tolist())
         notes += found([Note("bonds in no ring that stay rigid", map(graph.describePair, rigid))])
     notes += found([Note(_MOVING, [str(nameAtom(graph.atoms[atom])) for atom in moving])])
+    if network:
+        notes += _notesOnBeads(graph, network)
     warnOf([*graph.notes, *notes, *notesOnTorsions(search.leftOut)], stacklevel=2)
     return force
 
@@ -202,6 +220,8 @@ def _radiiAndRoles(graph, radii, unknownRadius):
 
 def _ballJointsOf(graph, torsions, ballJoints):
     """Return the given pairs of atoms, or all bonds that can be ball joints, each from the side of the root."""
+    if ballJoints is None:
+        return []
     if not isinstance(ballJoints, str):
         return [(int(atom1), int(atom2)) for atom1, atom2 in ballJoints]
     if ballJoints != "bonds":
@@ -209,6 +229,19 @@ def _ballJointsOf(graph, torsions, ballJoints):
     stiff = ringBonds(graph.neighbors) | {tuple(sorted(torsion.particles[1:3])) for torsion in torsions}
     trees = growTrees(graph.neighbors, range(len(graph.atoms)))
     return sorted((parent, atom) for atom, parent in trees if (min(atom, parent), max(atom, parent)) not in stiff)
+
+
+def _turnBeads(search, network, areJointsFirst):
+    """Return a TorsionSearch and the ball joints of a BeadNetwork: where a bond is both, joints or torsions come first.
+
+    Nobody expects torsions of residues in beads.
+    """
+    axes = {frozenset(torsion.particles[1:3]) for torsion in search.torsions}
+    joints = [pair for pair in network.joints if areJointsFirst or frozenset(pair) not in axes]
+    turning = set(map(frozenset, joints))
+    torsions = [torsion for torsion in search.torsions if frozenset(torsion.particles[1:3]) not in turning]
+    leftOut = [left for left in search.leftOut if network.beads.isdisjoint(atom.index for atom in left.residue.atoms())]
+    return TorsionSearch(torsions, leftOut), joints
 
 
 def _torsionsOf(graph, topology, torsions, fixed):
@@ -230,6 +263,32 @@ def notesOnGeometry(graph, torsions):
         [
             Note("bonds longer than 0.8 nm: are molecules split over a periodic box?", overlong),
             Note("atoms at covalent distance that are not bonded, and that torsions move apart", map(str, unbonded)),
+        ]
+    )
+
+
+def _notesOnBeads(graph, network):
+    """Return Notes on bonds of beads whose energies have no effect, and on beads that bonds hold in an unusual way."""
+    notes = []
+    if network.springs:
+        springs = countOf(len(network.springs), "harmonic bond")
+        notes.append(
+            Note(f"{springs} of beads stay as long as they are in the positions, or as setBondLengths makes them")
+        )
+    if not graph.bonds and len(graph.atoms) > 1:
+        text = "neither the Topology nor the System has a bond, so that each particle is a molecule"
+        notes.append(Note(f"{text}, which only rigid-body moves can move"))
+    parts = [
+        f"{nameAtom(graph.atoms[part[0]])} … {nameAtom(graph.atoms[part[-1]])}, {len(part)} beads"
+        for part in network.parts
+    ]
+    return notes + found(
+        [
+            Note("rigid parts of chains of beads, each an elastic network of bonds", parts),
+            Note(
+                "bonds of beads that close rings or join chains, which only their energies hold",
+                map(graph.describePair, network.loose),
+            ),
         ]
     )
 

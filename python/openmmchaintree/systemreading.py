@@ -1,11 +1,17 @@
 """Properties of a model that its System holds: pair energies, images, fixed particles, bonds the Topology lacks."""
 
+import re
+
 import numpy as np
 import openmm
 from openmm import unit
 
 # The name of the class of a Force between all pairs of particles has one of these.
 _PAIR_FORCES = ("Nonbonded", "GayBerne", "Vdw", "Multipole")
+
+# The text of a harmonic energy of bonds: a product of names and numbers, times the square of r less a length.
+_FACTOR = r"[A-Za-z_0-9.]+(?:[*/][A-Za-z_0-9.]+)*"
+_HARMONIC = re.compile(rf"(?:{_FACTOR}\*)?\(r-[A-Za-z_0-9.]+\)\^2(?:[*/]{_FACTOR})?")
 
 
 def checkParticles(topology, system):
@@ -51,7 +57,7 @@ def bondsOfBareAtoms(topology, system):
     bonded = {atom.index for bond in topology.bonds() for atom in bond}
     bonded |= {particle for particle in range(system.getNumParticles()) if system.isVirtualSite(particle)}
     found = set()
-    for pairs in ([bond[:2] for bond in bondsOf(system)], _customBonds(system)):
+    for pairs in ([bond[:2] for bond in bondsOf(system)], customBondsOf(system)):
         new = {(min(pair), max(pair)) for pair in pairs if pair[0] not in bonded or pair[1] not in bonded}
         found |= new
         bonded |= {particle for pair in new for particle in pair}
@@ -59,13 +65,21 @@ def bondsOfBareAtoms(topology, system):
 
 
 def bondsOf(system):
-    """Return (particle, particle, length in nm) of the HarmonicBondForces, constraints and DrudeForces of a System."""
-    bonds = [system.getConstraintParameters(i) for i in range(system.getNumConstraints())]
+    """Return the bonds of the HarmonicBondForces, constraints and DrudeForces of a System.
+
+    Returns
+    -------
+    list of (int, int, float, bool)
+        two particles, a length in nm, and whether the bond is harmonic
+    """
+    bonds = [(*system.getConstraintParameters(i), False) for i in range(system.getNumConstraints())]
     for force in system.getForces():
         if isinstance(force, openmm.HarmonicBondForce):
-            bonds += [force.getBondParameters(i)[:3] for i in range(force.getNumBonds())]
-    bonds += [(drude, parent, 0 * unit.nanometer) for drude, parent in drudeParticles(system)]
-    return [(first, second, length.value_in_unit(unit.nanometer)) for first, second, length in bonds]
+            bonds += [(*force.getBondParameters(i)[:3], True) for i in range(force.getNumBonds())]
+    bonds += [(drude, parent, 0 * unit.nanometer, False) for drude, parent in drudeParticles(system)]
+    return [
+        (first, second, length.value_in_unit(unit.nanometer), isSpring) for first, second, length, isSpring in bonds
+    ]
 
 
 def drudeParticles(system):
@@ -74,6 +88,24 @@ def drudeParticles(system):
     return [tuple(force.getParticleParameters(i)[:2]) for force in forces for i in range(force.getNumParticles())]
 
 
-def _customBonds(system):
-    forces = [force for force in system.getForces() if isinstance(force, openmm.CustomBondForce)]
-    return [tuple(force.getBondParameters(i)[:2]) for force in forces for i in range(force.getNumBonds())]
+def customBondsOf(system):
+    """Return the pairs of particles of the CustomBondForces of a System."""
+    return [pair for force in _customBondForces(system) for pair in _pairsOf(force)]
+
+
+def harmonicCustomBondsOf(system):
+    """Return the pairs, lower index first, of CustomBondForces whose energy is harmonic, as in elastic networks."""
+    forces = [force for force in _customBondForces(system) if _HARMONIC.fullmatch(_withoutSpaces(force))]
+    return [(min(pair), max(pair)) for force in forces for pair in _pairsOf(force)]
+
+
+def _customBondForces(system):
+    return [force for force in system.getForces() if isinstance(force, openmm.CustomBondForce)]
+
+
+def _pairsOf(force):
+    return [tuple(force.getBondParameters(i)[:2]) for i in range(force.getNumBonds())]
+
+
+def _withoutSpaces(force):
+    return "".join(force.getEnergyFunction().split()).rstrip(";")

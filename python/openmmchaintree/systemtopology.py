@@ -102,7 +102,7 @@ def _elementsByMass(system):
 def _bondsOfSystem(system, elements):
     """Return the bonds of a System as sorted pairs, with only the shortest bond of each hydrogen."""
     lengths = {}
-    for first, second, length in bondsOf(system):
+    for first, second, length, _ in bondsOf(system):
         pair = min(first, second), max(first, second)
         lengths[pair] = min(length, lengths.get(pair, length))
     nearest = {}
