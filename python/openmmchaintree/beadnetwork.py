@@ -61,14 +61,16 @@ class BeadNetwork:
             if isHarmonic:
                 springs.add(pair)
         bonded = {particle for pair in self._listed.union(lengths) for particle in pair}
-        others = [pair for pair in customBondsOf(system) if not bonded.issuperset(pair)]
-        for pair in [*self._listed, *others]:
-            lengths.setdefault((min(pair), max(pair)), self._distance(pair))
+        for pair in self._listed:
+            lengths.setdefault(pair, self._distance(pair))
+        for pair in customBondsOf(system):
+            if not bonded.issuperset(pair):
+                lengths[min(pair), max(pair)] = self._distance(pair, np.inf)  # atoms have other bonds
         return springs, lengths
 
-    def _distance(self, pair):
+    def _distance(self, pair, unknown=None):
         if self._positions is None:
-            return None
+            return unknown
         return float(np.linalg.norm(self._positions[pair[0]] - self._positions[pair[1]]))
 
     def _beadsOf(self, lengths):

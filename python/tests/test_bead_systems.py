@@ -207,7 +207,7 @@ def test_aSystemWithoutBonds():
     ]
 
 
-@pytest.mark.parametrize("kind", ["constraints", "custom", "custom without elements"])
+@pytest.mark.parametrize("kind", ["constraints", "custom", "custom without positions", "custom without elements"])
 def test_otherKindsOfBonds(kind):
     topology, system = glycines(6)
     if kind == "constraints":
@@ -217,7 +217,9 @@ def test_otherKindsOfBonds(kind):
         system.addForce(custom("-0.5*30*2.25*log(1-(r/1.5)^2)", *along(6)))
     positions = np.arange(6)[:, np.newaxis] * [0.5, 0, 0]
     if kind == "custom without elements":
-        topology, positions = createTopology(system, [None] * 6), None
+        topology = createTopology(system, [None] * 6)
+    if "without" in kind:
+        positions = None
     force, texts = create(topology, positions, system=system)
     assert jointsOf(force) == along(6) and texts == []
 
