@@ -107,3 +107,17 @@ def test_turnedVelocities(tmp_path):
     shares = re.findall(r"^(\w+) .*; accepted ([0-9.]+); \d+ tests", output, re.MULTILINE)
     assert [setting for setting, _ in shares] == settings
     assert all(float(share) > 0.02 for _, share in shares)
+
+
+def test_slab(tmp_path):
+    """Both starts and samplers run; people start longer runs."""
+    settings = ["--chains", 4, "--box", 9, 9, 30, "--sequence", "GSYRGFGSGYGG", "--seconds", 1, "--samples", 50]
+    output = run("validation/slab.py", *settings, folder=tmp_path)
+    runs = re.findall(r"^(\w+, \w+) +dense +([0-9.]+) mM, dilute +([0-9.]+) mM, Rg ([0-9.]+) nm", output, re.MULTILINE)
+    assert [name for name, *_ in runs] == ["dense, moves", "dense, dynamics", "dilute, moves", "dilute, dynamics"]
+    assert all(0.5 < float(size) < 1.5 for *_, size in runs)
+    rows = re.findall(r"^ +[0-9.]+((?: +[0-9.]+){4})$", output, re.MULTILINE)
+    profiles = [[float(value) for value in row.split()] for row in rows]
+    # The mean concentration: four chains in 2,430 nm³.
+    for column in zip(*profiles, strict=True):
+        assert sum(column) / len(column) == pytest.approx(4 / 2430 / 0.602214e-3, rel=1e-2)

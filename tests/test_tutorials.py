@@ -10,7 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import openmm
 import pytest
+from openmm import app, unit
 
 PROJECT = Path(__file__).parents[1]
 DOCS = PROJECT / "docs"
@@ -74,6 +76,27 @@ def test_thePageRunsFromTopToBottom(page, tmp_path, monkeypatch):
     else:
         pairs, before, after = (variables[name] for name in ("pairs", "before", "after"))
         assert len(pairs) == len(before) == len(after) > 100 and variables["change"] != 0
+
+
+def test_theSnippetForBeadsRuns(tmp_path, monkeypatch):
+    monkeypatch.syspath_prepend(PROJECT / "examples" / "validation")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("OPENMM_DEFAULT_PLATFORM", "CPU")
+    from calvados import makeCalvados, serpentine
+
+    topology, system = makeCalvados("GSYRDFKAWELQTVNPHIC", 2, (12, 12, 12))
+    chain = serpentine(19)
+    Path("system.xml").write_text(openmm.XmlSerializer.serialize(system), encoding="utf-8")
+    with open("top.pdb", "w", encoding="utf-8") as file:
+        app.PDBFile.writeFile(topology, [*chain, *(chain + 5)] * unit.nanometer, file)
+    variables = {}
+    with pytest.warns(UserWarning, match="36 harmonic bonds of beads stay"):
+        for name, text in blocksOf("beads.md"):
+            if name == "python":
+                exec(compile(text, name, "exec"), variables)
+    plan = variables["integrator"].getEnergyPlan(variables["simulation"].context)
+    assert [one.kind for one in plan] == ["native", "native", "native", "not sampled"]
+    assert variables["force"].getNumBallJoints() == 36 and Path("chains.dcd").stat().st_size > 0
 
 
 def test_theCommandsRun(tmp_path):
