@@ -8,7 +8,7 @@ import numpy as np
 from .covalent import WIDE, longestBonds
 from .graphs import connectedParts, growTrees, neighborLists
 from .pseudoatoms import atomicNumbers
-from .systemreading import bondsOf, customBondsOf, fixedParticles, harmonicCustomBondsOf
+from .systemreading import customBondsOf, fixedParticles, harmonicCustomBondsOf
 
 # Bonds of beads are longer (nm): those of atoms are shorter, apart from a few between heavy elements.
 _LONGEST_BOND_OF_ATOMS = 0.25
@@ -36,15 +36,19 @@ class BeadNetwork:
         and are not in the Topology: only their energies hold them
     """
 
-    def __init__(self, topology, system, positions=None):
-        """Find the beads of a System; positions, an (n, 3) array in nm, give lengths that the System does not name."""
+    def __init__(self, topology, system, bonds, positions=None):
+        """Find the beads of a System.
+
+        bonds : its bonds, as `bondsOf` returns them
+        positions : (n, 3) array, nm, for lengths that the System does not name
+        """
         atoms = list(topology.atoms())
         self._numbers = atomicNumbers(atoms)
         self._chainOf = [atom.residue.chain.index for atom in atoms]
         self._listed = {tuple(sorted((bond[0].index, bond[1].index))) for bond in topology.bonds()}
         self._count = len(self._numbers)
         self._positions = positions
-        springs, lengths = self._lengths(system)
+        springs, lengths = self._lengths(system, bonds)
         self.beads, known = self._beadsOf(lengths)
         fixed = self.beads.intersection(fixedParticles(system).tolist())
         held = {pair for pair in harmonicCustomBondsOf(system) if self.beads.issuperset(pair)}
@@ -52,10 +56,10 @@ class BeadNetwork:
         self._divide(known, held, fixed)
         self.springs = [pair for pair in self.bonds if pair in springs]
 
-    def _lengths(self, system):
+    def _lengths(self, system, bonds):
         """Return the harmonic bonds, and the length (nm) of each bond, None if it is unknown."""
         springs, lengths = set(), {}
-        for first, second, length, isHarmonic in bondsOf(system):
+        for first, second, length, isHarmonic in bonds:
             pair = min(first, second), max(first, second)
             lengths[pair] = min(length, lengths.get(pair, length))
             if isHarmonic:

@@ -15,7 +15,7 @@ from .openmmchaintree import StericExclusionForce
 from .radii import RADII_SETS, defaultRadii, hydrogenBondRoles, particleRadii
 from .residues import aminoAcid, isAlphaCarbonOnly
 from .selection import AtomSelection, selectAtoms
-from .systemreading import bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies, isPeriodic
+from .systemreading import bondsOf, bondsOfBareAtoms, checkParticles, fixedParticles, hasPairEnergies, isPeriodic
 from .torsions import (
     BETWEEN_FIXED,
     DISULFIDE_RING,
@@ -152,10 +152,11 @@ def createStericExclusionForce(
         massless = fixedParticles(system)
         moving = np.setdiff1d(held, massless).tolist()
         held = np.union1d(held, massless)
-        others = bondsOfBareAtoms(topology, system)
-    if hasEnergies:
-        network = BeadNetwork(topology, system, positions)
-        others = [*network.bonds, *(pair for pair in others if not network.beads.issuperset(pair))]
+        bonds = bondsOf(system)
+        others = bondsOfBareAtoms(topology, system, bonds)
+        if hasEnergies:
+            network = BeadNetwork(topology, system, bonds, positions)
+            others = [*network.bonds, *(pair for pair in others if not network.beads.issuperset(pair))]
     if closures is None:
         closures = defaultClosures(hasEnergies, cutDisulfides)
     beads = network.beads if network else ()

@@ -44,10 +44,10 @@ def fixedParticles(system):
     return np.array([i for i in massless if not system.isVirtualSite(i)], dtype=int)
 
 
-def bondsOfBareAtoms(topology, system):
-    """Return the System's bonds of atoms that have no bond in the Topology, such as beads and Drude particles.
+def bondsOfBareAtoms(topology, system, bonds):
+    """Return the System's bonds of atoms that have no bond in the Topology, such as Drude particles.
 
-    Bonds are taken from HarmonicBondForces, constraints and DrudeForces. A CustomBondForce, which may be a restraint,
+    They are taken from its `bonds`, as `bondsOf` returns them. A CustomBondForce, which may be a restraint,
     counts only for atoms without any other bond. Virtual sites need no bonds.
 
     Returns
@@ -57,7 +57,7 @@ def bondsOfBareAtoms(topology, system):
     bonded = {atom.index for bond in topology.bonds() for atom in bond}
     bonded |= {particle for particle in range(system.getNumParticles()) if system.isVirtualSite(particle)}
     found = set()
-    for pairs in ([bond[:2] for bond in bondsOf(system)], customBondsOf(system)):
+    for pairs in ([bond[:2] for bond in bonds], customBondsOf(system)):
         new = {(min(pair), max(pair)) for pair in pairs if pair[0] not in bonded or pair[1] not in bonded}
         found |= new
         bonded |= {particle for pair in new for particle in pair}
