@@ -121,3 +121,12 @@ def test_slab(tmp_path):
     # The mean concentration: four chains in 2,430 nm³.
     for column in zip(*profiles, strict=True):
         assert sum(column) / len(column) == pytest.approx(4 / 2430 / 0.602214e-3, rel=1e-2)
+
+
+def test_faunus(tmp_path):
+    """All contestants that are here have the same energy: Faunus need not be."""
+    output = run("validation/faunus.py", "--trials", 400, "--relaxation", 500, folder=tmp_path)
+    rows = re.findall(r"^(\S.*\S) +(-?[0-9.]+) +([0-9.]+) +([0-9.]+)$", output, re.MULTILINE)
+    assert [name for name, *_ in rows] in (names := ["native", "OpenMM's CPU platform", "Faunus"], names[:2])
+    for _, energy, microseconds, _ in rows:
+        assert float(energy) == pytest.approx(float(rows[0][1]), abs=0.05) and float(microseconds) > 0
