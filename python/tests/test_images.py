@@ -3,7 +3,7 @@
 import numpy as np
 import openmm
 import pytest
-from mdtraj.formats import XTCTrajectoryFile
+from mdtraj.formats import DCDTrajectoryFile, XTCTrajectoryFile
 from openmm import app, unit
 from openmmchaintree import InputError, findClashes
 from openmmchaintree.command.sampling import Sampling
@@ -188,6 +188,35 @@ def test_sampleTellsOfImages(tmp_path):
     structure = readStructure(twoGlycines(tmp_path, (0.3, 0.2, 42.4), (40, 40, 40)))
     notes = [note for note in Sampling(structure, 1).notes if "images" in note.kind]
     assert [note.kind for note in notes] == ["clashes with periodic images, which do not count (see --periodic)"]
+
+
+@pytest.mark.parametrize("isCellFirst", [True, False])
+def test_boxOfEachModel(tmp_path, isCellFirst):
+    """As GROMACS and others write trajectories in PDB files: each model has its CRYST1."""
+    lines = []
+    for number, width in enumerate((42, 30, 30.5, 42)):
+        cell, *atoms = twoGlycines(tmp_path, (0.3, 0.2, 32.4), (30, 30, width)).read_text().split("\n")[:-2]
+        beginning = [cell, f"MODEL     {number + 1:4}"]
+        lines += [*(beginning if isCellFirst else beginning[::-1]), *atoms, "ENDMDL"]
+    path = writePDB(tmp_path / "models.pdb", lines)
+    counts = [len(frame.clashes) for frame in ClashSearch(path, periodic=True)]
+    assert counts[0] == counts[3] == 0 and counts[1] > 0 and counts[2] > 0
+    assert [len(frame.clashes) for frame in ClashSearch(path)] == [0] * 4
+    assert [readStructure(path, model).box[2, 2] for model in range(4)] == pytest.approx([4.2, 3, 3.05, 4.2])
+
+
+@pytest.mark.parametrize("kind", ["dcd", "xtc"])
+def test_boxOfEachFrame(tmp_path, kind):
+    path = twoGlycines(tmp_path, (0.3, 0.2, 32.4), (30, 30, 42))
+    positions = readStructure(path).positions.astype(np.float32)
+    with (DCDTrajectoryFile if kind == "dcd" else XTCTrajectoryFile)(str(tmp_path / f"frames.{kind}"), "w") as file:
+        for width in (42, 30, 30.5, 42):
+            if kind == "dcd":
+                file.write(10 * positions, cell_lengths=[[30, 30, width]], cell_angles=[[90, 90, 90]])
+            else:
+                file.write(positions[np.newaxis], box=np.diag([3, 3, 0.1 * width])[np.newaxis].astype(np.float32))
+    counts = [len(frame.clashes) for frame in ClashSearch(path, tmp_path / f"frames.{kind}", periodic=True)]
+    assert counts[0] == counts[3] == 0 and counts[1] > 0 and counts[2] > 0
 
 
 def test_bondsAcrossTheBoxAreNoClashes(tmp_path):

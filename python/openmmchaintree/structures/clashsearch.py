@@ -119,8 +119,7 @@ class ClashSearch:
             self._trajectory.close()
 
     def _modelFrames(self, begin, end):
-        for positions in self._models.positions[begin:end]:
-            yield positions, self._box
+        yield from zip(self._models.positions[begin:end], self._models.boxes[begin:end], strict=True)
         if end in (None, self.frameCount) and self._models.damage is not None:
             raise self._models.damage
 

@@ -13,7 +13,7 @@ from ..residues import isCalledWater, isPolymerName
 from .elements import findElements
 
 # Records that are read, besides those of models.
-_RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "TER", "LINK", "SSBOND", "CONECT"}
+_RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "MTRIX1", "MTRIX2", "MTRIX3", "TER", "LINK", "SSBOND", "CONECT"}
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 
@@ -28,11 +28,13 @@ class PDBLines(NamedTuple):
     """A PDB file that can be read.
 
     text : str, all models before the first damaged one; None if the first model is damaged
+    cells : list of str, the CRYST1 line of each model, the last one before its last atom; empty for models without one
     residueNames : dict, the original names by the shorter ones in the text
     damage : str, a description of the damage, or None
     """
 
     text: str | None
+    cells: list[str]
     residueNames: dict[str, str]
     damage: str | None
 
@@ -51,6 +53,8 @@ class _Repair:
         self._models = 0
         self._isOpen = False
         self._modelStart = 0
+        self._cell = ""
+        self._cells = []
         self._shortNames = {}
         self._atoms = []  # for each atom the index of its line, and the arguments of findElements
         # A file that ends within a MODEL was cut off.
@@ -78,6 +82,7 @@ class _Repair:
             elif record in ("ENDMDL", "END"):
                 self._closeModel()
             elif record in _RECORDS:
+                self._cell = line if record == "CRYST1" else self._cell
                 self._lines.append(line)
         else:
             if self._isOpen and self._wantsEnd:
@@ -85,19 +90,21 @@ class _Repair:
             self._closeModel()
         if damage is not None:
             if self._models < 2:
-                return PDBLines(None, {}, damage)
+                return PDBLines(None, [], {}, damage)
             # Bonds come after all models.
             bonds = [line for line in given[number:] if line.startswith("CONECT")]
             self._lines[self._modelStart :] = bonds
+            del self._cells[-1]
             self._atoms = [atom for atom in self._atoms if atom[0] < self._modelStart]
         self._tellElements()
         names = {short: name for name, short in self._shortNames.items()}
-        return PDBLines("\n".join([*self._lines, "END", ""]), names, damage)
+        return PDBLines("\n".join([*self._lines, "END", ""]), self._cells, names, damage)
 
     def _openModel(self):
         self._models += 1
         self._modelStart = len(self._lines)
         self._lines.append(f"MODEL     {self._models:4d}")
+        self._cells.append(self._cell)
         self._isOpen = True
 
     def _closeModel(self):
@@ -106,6 +113,7 @@ class _Repair:
         self._isOpen = False
 
     def _addAtom(self, line):
+        self._cells[-1] = self._cell
         name = line[17:21].strip()
         if line[20] != " ":
             if self._hasLongChains and line[21] != " ":

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import NamedTuple
 
+import gemmi
 import numpy as np
 import openmm.app
 from openmm import unit
@@ -27,16 +28,23 @@ class Models(NamedTuple):
     positions : list of (n, 3) float64 arrays, nm
         of the models before the first damaged one, at least one
     damage : InputError, or None if no model is damaged
+    boxes : list of (3, 3) float64 array in nm, a vector a row, or None
+        the periodic boxes of these models
     alternates : list of str
         for each atom the label of its conformer, empty if the atom has one conformer
     notes : list of Note
+    file : gemmi.Structure
+    atoms : list of gemmi.Atom, of the first model that was read, in the order of the Topology
     """
 
     topology: openmm.app.Topology
     positions: list[np.ndarray]
     damage: InputError | None
+    boxes: list[np.ndarray | None]
     alternates: list[str]
     notes: list[Note]
+    file: gemmi.Structure
+    atoms: list[gemmi.Atom]
 
 
 class Structure(NamedTuple):
@@ -45,6 +53,7 @@ class Structure(NamedTuple):
     name : str, for output files; topology : openmm.app.Topology, with all bonds; positions : (n, 3) float64 array, nm;
     alternates : list of str, for each atom the label of its conformer; notes : list of Note, on the file
     box : (3, 3) float64 array, nm, a vector a row, or None: the periodic box of the file
+    spaceGroup : str, as `spaceGroupOf` returns it
     """
 
     name: str
@@ -53,6 +62,7 @@ class Structure(NamedTuple):
     alternates: list[str] = []
     notes: list[Note] = []
     box: np.ndarray | None = None
+    spaceGroup: str = ""
 
 
 def villinPath():
@@ -82,7 +92,8 @@ def readStructure(path=None, model=0):
     box = boxOf(solute.topology)
     solute.topology.setPeriodicBoxVectors(None)
     alternates = [models.alternates[atom] for atom in solute.atoms]
-    return Structure(name, solute.topology, solute.positions, alternates, [*models.notes, *solute.notes], box)
+    notes = [*models.notes, *solute.notes]
+    return Structure(name, solute.topology, solute.positions, alternates, notes, box, spaceGroupOf(models))
 
 
 def readModels(path, only=None):
@@ -100,7 +111,7 @@ def readModels(path, only=None):
         if the file, its first model, or the model `only` cannot be read
     """
     path = Path(path)
-    structure, damage = readFile(path)
+    structure, cells, damage = readFile(path)
     first = only or 0
     if first >= len(structure):
         raise damage or InputError(f"{path}: there is no model {first} (from 0), but {len(structure)} in all")
@@ -108,7 +119,7 @@ def readModels(path, only=None):
     atoms = list(made.topology.atoms())
     for atom1, atom2 in bondsOfFile(structure, made):
         made.topology.addBond(atoms[atom1], atoms[atom2])
-    box = _boxOf(structure.cell)
+    box = _boxOf(cells[first])
     if box is not None:
         made.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)
     positions = []
@@ -121,7 +132,15 @@ def readModels(path, only=None):
             break
     if not positions:
         raise damage
-    return Models(made.topology, positions, damage if only is None else None, made.alternates, made.notes)
+    boxes = [_boxOf(cell) for cell in cells[first:][: len(positions)]]
+    damage = damage if only is None else None
+    return Models(made.topology, positions, damage, boxes, made.alternates, made.notes, structure, made.atoms)
+
+
+def spaceGroupOf(models):
+    """Return the name of the space group of Models; empty if unknown, or P 1, in which all copies are images."""
+    group = models.file.find_spacegroup()
+    return "" if group is None or group.number == 1 else group.xhm()
 
 
 def _boxOf(cell):

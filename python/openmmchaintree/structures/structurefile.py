@@ -42,7 +42,9 @@ _REQUIRED = {
 }
 
 # Categories of an mmCIF or BinaryCIF file that are read.
-_CATEGORIES = ("atom_site", "atom_sites", "cell", "symmetry", "struct_conn", "struct_conn_type", "entry")
+_CATEGORIES = (
+    "atom_site", "atom_sites", "cell", "symmetry", "struct_conn", "struct_conn_type", "struct_ncs_oper", "entry",
+)  # fmt: skip
 
 
 def readFile(path):
@@ -52,6 +54,8 @@ def readFile(path):
     -------
     gemmi.Structure
         of the models before the first damaged one
+    list of gemmi.UnitCell
+        the cell of each of these models
     InputError or None
         the description of that damage
 
@@ -61,18 +65,19 @@ def readFile(path):
         if the file, or its first model, cannot be read
     """
     data = _readBytes(path)
+    cells = damage = None
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
-        structure, damage = _readBinaryCIF(path, data), None
+        structure = _readBinaryCIF(path, data)
     elif _isMmCIF(data):
-        structure, damage = _readMmCIF(path, data.decode("utf-8", errors="replace")), None
+        structure = _readMmCIF(path, data.decode("utf-8", errors="replace"))
     else:
-        structure, damage = _readPDB(path, data)
+        structure, cells, damage = _readPDB(path, data)
     if structure.input_format != gemmi.CoorFormat.Pdb:
         _correctElements(structure)
     structure.remove_empty_chains()
     if len(structure) == 0 or not any(len(chain) for model in structure for chain in model):
         raise InputError(f"{path}: there are no atoms")
-    return structure, damage
+    return structure, cells or [structure.cell] * len(structure), damage
 
 
 def _readBytes(path):
@@ -191,7 +196,10 @@ def _readBinaryCIF(path, data):
 
 
 def _readPDB(path, data):
-    """Return a Structure of the models before the first damaged one, and that damage as an InputError or None."""
+    """Return a Structure of the models before the first damaged one, their cells, and that damage or None.
+
+    The cells are None if all are that of the Structure.
+    """
     if _ATOM.search(data) is None:
         raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
     text = data.decode("utf-8", errors="replace")
@@ -207,4 +215,6 @@ def _readPDB(path, data):
         for chain in model:
             for residue in chain:
                 residue.name = lines.residueNames.get(residue.name, residue.name)
-    return structure, damage
+    areOfModels = len(set(lines.cells)) > 1 and len(lines.cells) == len(structure)
+    cells = [gemmi.read_pdb_string(line).cell for line in lines.cells] if areOfModels else None
+    return structure, cells, damage
