@@ -99,14 +99,24 @@ def test_theSnippetForBeadsRuns(tmp_path, monkeypatch):
     assert variables["force"].getNumBallJoints() == 36 and Path("chains.dcd").stat().st_size > 0
 
 
+_COMMANDS = ("sample", "clashes", "clashes")
+
+
 def test_theCommandsRun(tmp_path):
-    sample, clashes = (shlex.split(text) for page in TUTORIALS for name, text in blocksOf(page) if name == "sh")
-    assert [*sample[:2], *clashes[:2]] == ["openmm-chaintree", "sample", "openmm-chaintree", "clashes"]
+    sample, clashes, ofCrystal = (
+        shlex.split(text) for page in TUTORIALS for name, text in blocksOf(page) if name == "sh"
+    )
+    assert [sample[:2], clashes[:2], ofCrystal[:2]] == [["openmm-chaintree", name] for name in _COMMANDS]
     runCommand(sample, tmp_path)
     (tmp_path / "solvated-topology.pdb").replace(tmp_path / "my.pdb")
     (tmp_path / "solvated.dcd").replace(tmp_path / "my.dcd")
     runCommand(clashes, tmp_path)
     assert (tmp_path / "clashes.csv").exists()
+    lines = (tmp_path / "my.pdb").read_text().splitlines(keepends=True)
+    cell = "CRYST1  100.000  110.000  120.000  90.00  90.00  90.00 P 21 21 21    4\n"
+    (tmp_path / "my.pdb").write_text("".join([cell, *(line for line in lines if not line.startswith("CRYST1"))]))
+    runCommand(ofCrystal, tmp_path)
+    assert (tmp_path / "contacts.json").exists()
 
 
 def runCommand(words, folder):

@@ -1,6 +1,7 @@
 """Finding the clashes of files, and of a Topology at given positions."""
 
 import os
+from itertools import repeat
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -18,6 +19,7 @@ from .notes import Note, found, warnOf
 from .radii import defaultRadii, describeSets
 from .solute import selectSolute, tornError
 from .sterics import makeForce
+from .symmetryclashes import SymmetryClashes
 from .torsions import searchTorsions
 
 Path: TypeAlias = str | os.PathLike[str]
@@ -27,6 +29,8 @@ class Clash(NamedTuple):
     """Two atoms that overlap by more than is tolerated.
 
     particle1, particle2 : int, the lower index first; atom1, atom2 : AtomName; overlap : float, nm
+    operator : str, the symmetry operation that makes the copy of atom 2, in fractions of the cell, such as
+    "-x+1,y+1/2,-z"; empty for an atom of the file
     """
 
     particle1: int
@@ -34,6 +38,7 @@ class Clash(NamedTuple):
     atom1: AtomName
     atom2: AtomName
     overlap: float
+    operator: str = ""
 
 
 class FrameClashes(NamedTuple):
@@ -54,15 +59,16 @@ def findClashes(
     water: bool = False,
     ions: bool = False,
     periodic: bool = False,
+    symmetry: bool = False,
 ) -> list[FrameClashes]:
     """Find the clashes of all models of a structure, or of all frames of a trajectory.
 
     A clash is defined by the `StericExclusionForce` that `createStericExclusionForce` makes for the structure: atoms
     more than three bonds apart that overlap by more than 0.04 nm, or 0.1 nm where one may donate a hydrogen bond to the
-    other. Molecules split over the periodic box are made whole along their bonds. Clashes with periodic images count
-    only with `periodic`; otherwise a warning lists those of the first frame. Bonds follow from the structure and its
-    chemistry, never from a frame of the trajectory. Atoms of elements without a known radius are ignored, with a
-    warning.
+    other. Molecules split over the periodic box are made whole along their bonds. Periodic images count only with
+    `periodic`, copies in a crystal only with `symmetry`; otherwise a warning says so, and lists the clashes with images
+    in the first frame. Bonds follow from the structure and its chemistry, never from a frame of the trajectory. Atoms
+    of elements without a known radius are ignored, with a warning.
 
     Parameters
     ----------
@@ -77,8 +83,12 @@ def findClashes(
     water, ions : bool
         include water, and ions that nothing binds
     periodic : bool
-        whether atoms count in all images of the periodic box, that of each frame or else of the structure. Images are
-        those by vectors of the box; copies by the symmetry of a crystal's space group are not made.
+        whether atoms count in all images of the periodic box, that of each frame or else of the structure
+    symmetry : bool
+        whether the copies of a crystal count: those by all operations of the space group of the structure, and by
+        vectors of its cell. Equivalent clashes are listed once, with the operation as `Clash.operator`. An atom on an
+        axis does not clash with itself, and no atoms do whose occupancies are below 1 and add up to at most 1. Bonds
+        with copies are found as others are. Not for trajectories.
 
     Returns
     -------
@@ -88,13 +98,14 @@ def findClashes(
     Raises
     ------
     InputError
-        a ValueError, if a file cannot be read or is damaged, a molecule is split and there is no box, or images count
-        and there is no box, or one too narrow. Its attribute `frames` holds the results of earlier frames.
+        a ValueError, if a file cannot be read or is damaged, a molecule is split and there is no box, images count and
+        there is no box, or one too narrow, or copies count and there is no cell or no known space group. Its attribute
+        `frames` holds the results of earlier frames.
     """
     # It reads files, which needs more packages than the other modules beside this one.
     from .structures.clashsearch import ClashSearch
 
-    search = ClashSearch(structure, trajectory, radii, water, ions, periodic)
+    search = ClashSearch(structure, trajectory, radii, water, ions, periodic, symmetry)
     frames: list[FrameClashes] = []
     try:
         frames.extend(search)
@@ -125,10 +136,11 @@ class ClashFinder:
         gaps, and atoms of unknown radius
     """
 
-    def __init__(self, topology, positions, source, radii=None, water=False, ions=False, periodic=False):
+    def __init__(self, topology, positions, source, radii=None, water=False, ions=False, periodic=False, crystal=None):
         """Choose the atoms, and make their force; positions are (n, 3) in nm, source names the Topology in messages.
 
         periodic : whether pairs count in all images of the boxes given to `find`
+        crystal : a Crystal whose copies count, or None
 
         Raises
         ------
@@ -150,6 +162,11 @@ class ClashFinder:
         self.force.setUsesPeriodicBoundaryConditions(periodic)
         self._isPeriodic = periodic
         self._context = contextOf(self.force)
+        self._copies = None
+        if crystal is not None:
+            names = [self.names[atom] for atom in self.atoms]
+            self._copies = SymmetryClashes(self.force, self._graph, solute.topology, crystal, self.atoms, names)
+            self.notes += self._copies.notes
 
     def _findUnknownRadii(self):
         unknown = []
@@ -194,15 +211,10 @@ class ClashFinder:
         positions[self.atoms] = whole
         return positions
 
-    def noteImages(self, positions, box):
-        """Return a Note on clashes that do not count, across a box, (3, 3) in nm or None.
-
-        positions : as for `find`, of whole molecules
-        """
-        if self._isPeriodic:
-            return noteOnImages(self.force, positions, None, ())
+    def noteImages(self, positions, box, spaceGroup=""):
+        """Return the result of `noteOnImages` for positions of all atoms, where images do not count."""
         names = [self.names[atom] for atom in self.atoms]
-        return noteOnImages(self.force, positions.take(self.atoms, axis=0), box, names)
+        return noteOnImages(self.force, positions.take(self.atoms, axis=0), box, names, spaceGroup)
 
     def find(self, positions, box=None, source="the positions"):
         """Return the list of Clash at positions of all atoms of the Topology.
@@ -215,23 +227,35 @@ class ClashFinder:
         InputError
             if images count, and there is no box or one too narrow
         """
-        return nameClashes(*self.findOverlaps(positions, box, source), self.names)
+        return nameClashes(self.names, *self.findOverlaps(positions, box, source))
 
     def findOverlaps(self, positions, box=None, source="the positions"):
-        """Return the pairs that clash, an (n, 2) int32 array, and their overlaps; arguments as for `find`."""
+        """Return the pairs that clash, their overlaps and operators, as in FrameOverlaps; arguments as for `find`."""
         if self._isPeriodic:
             self._context.setPeriodicBoxVectors(*vectorsOf(engineBox(box, source)))
-        self._context.setPositions(positions.take(self.atoms, axis=0))
+        positions = positions.take(self.atoms, axis=0)
+        self._context.setPositions(positions)
         try:
             pairs, overlaps = self.force.getClashes(self._context)
         except openmm.OpenMMException as error:  # a box that is too narrow
             raise InputError(f"{source}: {str(error).removeprefix('StericExclusionForce: ')}") from error
-        return self.atoms[pairs].astype(np.int32), overlaps
+        operators = None
+        if self._copies is not None:
+            found = pairs, overlaps, np.full(len(pairs), "")
+            others = self._copies.find(positions)
+            pairs, overlaps, operators = map(np.concatenate, zip(found, others, strict=True))
+        return self.atoms[pairs].astype(np.int32), overlaps, operators
 
 
-def nameClashes(pairs, overlaps, names):
-    """Return pairs of atoms and their overlaps as a list of Clash."""
+def eachClash(pairs, overlaps, operators=None):
+    """Return an iterator over the pair, the overlap and the operator of each clash; arguments as in FrameOverlaps."""
+    operators = repeat("", len(pairs)) if operators is None else operators.tolist()
+    return zip(pairs.tolist(), overlaps.tolist(), operators, strict=True)
+
+
+def nameClashes(names, pairs, overlaps, operators=None):
+    """Return clashes as a list of Clash, by the AtomName of all atoms."""
     return [
-        Clash(particle1, particle2, names[particle1], names[particle2], overlap)
-        for (particle1, particle2), overlap in zip(pairs.tolist(), overlaps.tolist(), strict=True)
+        Clash(first, second, names[first], names[second], overlap, operator)
+        for (first, second), overlap, operator in eachClash(pairs, overlaps, operators)
     ]

@@ -1,4 +1,4 @@
-"""Clashes between periodic images. They do not count as clashes, but a note lists them."""
+"""Notes on images and copies that do not count, with the clashes between periodic images."""
 
 import numpy as np
 
@@ -7,11 +7,11 @@ from .images import isBox, nearestImage, pairsOfImages
 from .notes import Note
 from .plainspheres import PlainSpheres
 
-WITH_IMAGES = "clashes with periodic images, which do not count (see --periodic)"
+_SEE = "which do not count (see --periodic)"
 
 
-def noteOnImages(force, positions, box, names):
-    """Return a Note on pairs of atoms that clash across a periodic box.
+def noteOnImages(force, positions, box, names, spaceGroup=""):
+    """Return a Note that images or copies do not count; it lists the pairs of atoms that clash across a periodic box.
 
     Parameters
     ----------
@@ -19,10 +19,24 @@ def noteOnImages(force, positions, box, names):
     positions : (n, 3) float64 array, nm, with molecules made whole
     box : (3, 3) array, nm, a vector a row; None without one
     names : list of AtomName
+    spaceGroup : str, that of a crystal, empty if all its copies are periodic images
+
+    Returns
+    -------
+    Note, or None without box and space group
     """
     clashes = [] if box is None or not isBox(box) else _clashesAcross(force, positions, box)
-    items = [f"{names[first]} – {names[second]}, {distance:.3f} nm" for first, second, distance in clashes]
-    return Note(WITH_IMAGES, items)
+    if clashes:
+        items = [f"{names[first]} – {names[second]}, {distance:.3f} nm" for first, second, distance in clashes]
+        return Note(f"clashes with periodic images, {_SEE}", items)
+    if spaceGroup:
+        return Note(f"the file is of a crystal ({spaceGroup}), whose copies do not count (see clashes --symmetry)")
+    return None if box is None else Note(f"the file has a periodic box, the images of {_SEE}")
+
+
+def noteOnOtherCopies(spaceGroup):
+    """Return a Note that of the copies of a crystal only periodic images count; spaceGroup : str"""
+    return Note(f"of the copies of the crystal ({spaceGroup}), only images of its cell count (see clashes --symmetry)")
 
 
 def _clashesAcross(force, positions, box):

@@ -136,7 +136,7 @@ class _Look:
 
     def find(self, simulation, state):
         if self._force is not None:
-            return nameClashes(*self._force.getClashes(simulation.context), self._names)
+            return nameClashes(self._names, *self._force.getClashes(simulation.context))
         positions = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)
         if self._finder is None:
             periodic = isPeriodic(simulation.system)

@@ -199,7 +199,7 @@ def makeForce(graph, torsions, radii=None, bondCutoff=3, forceGroup=31, unknownR
         force.addClosure(*closure)
     force.createExclusionsFromBonds(bondCutoff)
     for atom1, atom2 in graph.cut:
-        for pair in _pairsAcross(graph.neighbors, atom1, atom2, bondCutoff):
+        for pair in pairsAcross(graph.neighbors, atom1, atom2, bondCutoff):
             force.addExclusion(*pair)
     return force
 
@@ -320,15 +320,18 @@ def notesOnTorsions(leftOut, remedies=_ARGUMENTS):
     return [Note(f"torsions left out, {reason}{more.get(reason, '')}", names) for reason, names in byReason.items()]
 
 
-def _pairsAcross(neighbors, atom1, atom2, bondCutoff):
-    """Return the pairs at most bondCutoff bonds apart along a bond atom1–atom2 that neighbors lacks."""
-    shells1 = _shells(neighbors, atom1, bondCutoff)
-    shells2 = _shells(neighbors, atom2, bondCutoff)
+def pairsAcross(neighbors, atom1, atom2, bondCutoff, length=1):
+    """Return the pairs at most bondCutoff bonds apart along a bond atom1–atom2 that neighbors lacks.
+
+    length : number of bonds between these; 0: they are one atom
+    """
+    shells1 = _shells(neighbors, atom1, bondCutoff + 1 - length)
+    shells2 = _shells(neighbors, atom2, bondCutoff + 1 - length)
     return [
         (first, second)
         for distance1, shell1 in enumerate(shells1)
         for distance2, shell2 in enumerate(shells2)
-        if distance1 + 1 + distance2 <= bondCutoff
+        if distance1 + length + distance2 <= bondCutoff
         for first in shell1
         for second in shell2
     ]

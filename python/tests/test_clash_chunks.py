@@ -57,8 +57,9 @@ def listFrames(search, frames):
     """Return all that was found as plain lists, and what was wrong."""
     found, damage = [], None
     try:
-        for number, pairs, overlaps, score in frames:
-            found.append((number, pairs.tolist(), overlaps.tolist(), score))
+        for number, pairs, overlaps, score, operators in frames:
+            operators = None if operators is None else operators.tolist()
+            found.append((number, pairs.tolist(), overlaps.tolist(), score, operators))
     except InputError as error:
         damage = str(error)
     search.noteBoxes()
@@ -80,7 +81,7 @@ def assertSame(structure, trajectory, frames, damage=None, count=3):
 def test_sameAsFrameByFrame(folder, monkeypatch, ending):
     monkeypatch.setattr(clashchunks, "_LONGEST_CHUNK", 2)
     found, _, _ = assertSame(folder / "villin.pdb", folder / f"villin{ending}", FRAMES, count=1)
-    counts = [len(pairs) for _, pairs, _, _ in found]
+    counts = [len(pairs) for _, pairs, *_ in found]
     assert counts[0] == 1 and counts == sorted(counts) and len({*counts}) > 4
     monkeypatch.setattr(clashchunks, "_LONGEST_CHUNK", 2)
     assertSame(folder / "villin.pdb", folder / f"villin{ending}", FRAMES)
@@ -93,7 +94,7 @@ def test_models(tmp_path, villin):
             app.PDBFile.writeModel(villin.topology, (1 - 0.05 * model) * villin.positions * unit.nanometer, file, model)
         app.PDBFile.writeFooter(villin.topology, file)
     found, _, _ = assertSame(tmp_path / "models.pdb", None, 3)
-    assert len({len(pairs) for _, pairs, _, _ in found}) == 3
+    assert len({len(pairs) for _, pairs, *_ in found}) == 3
 
 
 def test_cutOff(folder, tmp_path):

@@ -24,9 +24,9 @@ def addArguments(clashes):
         "Find atoms that overlap by more than 0.04 nm (0.1 nm where one may donate a hydrogen bond to the other) and "
         "are more than three bonds apart, in all models of a structure or all frames of a trajectory. Models, frames "
         "and particles are numbered from 0. Water, free ions and alternate conformers of lower occupancy are omitted. "
-        "Molecules split over a periodic box are made whole; clashes with periodic images count with --periodic, "
-        "otherwise a note counts them in the first frame. The file name - stands for standard output; the report then "
-        "goes to standard error."
+        "Molecules split over a periodic box are made whole. Periodic images count with --periodic, copies in a "
+        "crystal with --symmetry; otherwise a note says so. The file name - stands for standard output; the report "
+        "then goes to standard error."
     )
     clashes.set_defaults(run=_run)
     addStructure(clashes)
@@ -35,7 +35,13 @@ def addArguments(clashes):
     )
     clashes.add_argument("--water", action="store_true", help="include water")
     clashes.add_argument("--ions", action="store_true", help="include ions")
-    addPeriodic(clashes, "of each frame, or else of the structure")
+    copies = clashes.add_mutually_exclusive_group()
+    addPeriodic(copies, "of each frame, or else of the structure")
+    copies.add_argument(
+        "--symmetry",
+        action="store_true",
+        help="let the copies in a crystal count, by the space group and cell of the structure",
+    )
     clashes.add_argument(
         "--radii",
         choices=RADII_SETS,
@@ -65,7 +71,8 @@ def _run(options):
     outputs = checkOutputs(names, inputs, options.overwrite)
     if "picture" in outputs:
         checkPicture(outputs["picture"])
-    arguments = (options.structure, options.trajectory, options.radii, options.water, options.ions, options.periodic)
+    choices = (options.radii, options.water, options.ions, options.periodic, options.symmetry)
+    arguments = (options.structure, options.trajectory, *choices)
     with _startWorkers(options, arguments) as (searchFrames, stop):
         search = ClashSearch(*arguments)
         ranking = ClashRanking(search.finder.names)

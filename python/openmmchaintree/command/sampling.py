@@ -9,12 +9,11 @@ from openmm import unit
 
 from ..defaultmoves import addMovesOfPlan
 from ..errors import InputError, UnknownRadiusError
-from ..imageclashes import noteOnImages
+from ..imageclashes import noteOnImages, noteOnOtherCopies
 from ..images import vectorsOf
 from ..moveadder import NamedMove
 from ..movescene import MoveScene
 from ..naming import nameAtom
-from ..notes import found
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..replicas.segment import makeModel, splitTrials
 from ..sterics import makeForce
@@ -81,7 +80,7 @@ class Sampling:
     torsions : list of Torsion
         the torsions of the plan
     notes : list of Note
-        the notes of the plan, and on clashes with periodic images
+        the notes of the plan, and on periodic images
     fixedAtoms : int
         number of atoms that are obstacles
     moves : list of NamedMove
@@ -117,8 +116,10 @@ class Sampling:
         box = structure.box if choice.periodic else None
         if box is None:
             names = [nameAtom(atom) for atom in structure.topology.atoms()]
-            self.notes += found([noteOnImages(self.force, structure.positions, structure.box, names)])
+            note = noteOnImages(self.force, structure.positions, structure.box, names, structure.spaceGroup)
+            self.notes += [] if note is None else [note]
         else:
+            self.notes += [noteOnOtherCopies(structure.spaceGroup)] if structure.spaceGroup else []
             self.force.setUsesPeriodicBoundaryConditions(True)
             structure.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)
         self.fixedAtoms = int(self.plan.fixed.sum())

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import ClusterError, InputError
+from ..notes import Note
 from .clashsearch import ClashSearch, FrameOverlaps
 from .structure import villinPath
 
@@ -32,7 +33,7 @@ _CHUNKS_AHEAD = 3
 class SearchedFiles(NamedTuple):
     """The input and options of a ClashSearch; sizes show whether another machine has other files.
 
-    structure, trajectory : str, or None; radii, water, ions, periodic : as for a ClashSearch; sizes : tuple of int
+    structure, trajectory : str, or None; radii, …, symmetry : as for a ClashSearch; sizes : tuple of int
     """
 
     structure: str
@@ -41,31 +42,35 @@ class SearchedFiles(NamedTuple):
     water: bool
     ions: bool
     periodic: bool
+    symmetry: bool
     sizes: tuple[int, ...]
 
 
 class ChunkOverlaps(NamedTuple):
     """The clashes of a chunk, as a few arrays.
 
-    counts : (frames,) int array, of the clashes of each frame; pairs, overlaps : of all frames, as in FrameOverlaps
+    counts : (frames,) int array, of the clashes of each frame
+    pairs, overlaps, operators : of all frames, as in FrameOverlaps
     madeWhole : list of int, frames in which molecules were made whole; damage : str, why frames are missing, or None
-    imageClashes : list of str, clashes with periodic images, in the chunk with the first frame
+    imageNote : Note on images that do not count, in the chunk with the first frame; None in others
     """
 
     counts: np.ndarray
     pairs: np.ndarray
     overlaps: np.ndarray
+    operators: np.ndarray | None
     madeWhole: list[int]
     damage: str | None
-    imageClashes: list[str]
+    imageNote: Note | None
 
 
-def describeFiles(structure, trajectory, radii, water, ions, periodic=False):
+def describeFiles(structure, trajectory, radii, water, ions, periodic=False, symmetry=False):
     """Return the SearchedFiles of a ClashSearch with these arguments; OSError: a file is missing."""
     given = (villinPath() if structure is None else structure, trajectory)
     paths = [os.path.abspath(path) for path in given if path is not None]
     sizes = tuple(os.path.getsize(path) for path in paths)
-    return SearchedFiles(paths[0], paths[1] if len(paths) > 1 else None, radii, water, ions, periodic, sizes)
+    trajectory = paths[1] if len(paths) > 1 else None
+    return SearchedFiles(paths[0], trajectory, radii, water, ions, periodic, symmetry, sizes)
 
 
 _ofThread = local()
@@ -81,7 +86,7 @@ def searchChunk(files, begin, end):
     """
     search, frames, damage = _searchOf(files), [], None
     search.madeWhole.clear()
-    search.imageClashes = []
+    search.imageNote = None
     try:
         for frame in search.overlaps(begin, end):
             frames.append(frame)
@@ -94,9 +99,10 @@ def searchChunk(files, begin, end):
         np.array([len(frame.pairs) for frame in frames], dtype=np.int32),
         np.concatenate([np.empty((0, 2), dtype=np.int32), *(frame.pairs for frame in frames)]),
         np.concatenate([np.empty(0), *(frame.overlaps for frame in frames)]),
+        np.concatenate([np.empty(0, dtype=str), *(frame.operators for frame in frames)]) if files.symmetry else None,
         list(search.madeWhole),
         damage,
-        list(search.imageClashes),
+        search.imageNote,
     )
 
 
@@ -236,11 +242,12 @@ def searchInChunks(search, files, workers, stop=None):
                 return
             chunk = future.result()
         search.madeWhole += chunk.madeWhole
-        search.imageClashes += chunk.imageClashes
+        search.imageNote = search.imageNote or chunk.imageNote
         ends = np.cumsum(chunk.counts)
         for number, (end, size) in enumerate(zip(ends.tolist(), chunk.counts.tolist(), strict=True), begin):
             pairs, overlaps = chunk.pairs[end - size : end], chunk.overlaps[end - size : end]
-            yield FrameOverlaps(number, pairs, overlaps, 1000 * size / search.finder.checkedCount)
+            operators = None if chunk.operators is None else chunk.operators[end - size : end]
+            yield FrameOverlaps(number, pairs, overlaps, 1000 * size / search.finder.checkedCount, operators)
         if chunk.damage is not None:
             raise InputError(_withOurPaths(chunk.damage, search, files))
 

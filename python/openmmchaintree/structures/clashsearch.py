@@ -6,10 +6,11 @@ import numpy as np
 
 from ..clashes import ClashFinder, FrameClashes, nameClashes
 from ..errors import InputError
-from ..imageclashes import WITH_IMAGES
+from ..imageclashes import noteOnOtherCopies
 from ..images import boxOf
 from ..notes import Note, found
-from .structure import checkPositions, readModels, villinPath
+from .crystal import Crystal
+from .structure import checkPositions, readModels, spaceGroupOf, villinPath
 from .trajectory import Trajectory
 
 
@@ -17,12 +18,14 @@ class FrameOverlaps(NamedTuple):
     """The clashes of a model or a frame as arrays, which take less memory than a FrameClashes.
 
     number : int, from 0; pairs : (n, 2) int32 array; overlaps : (n,) float64 array, nm; clashesPer1000Atoms : float
+    operators : (n,) array of str, as in Clash; None where copies do not count
     """
 
     number: int
     pairs: np.ndarray
     overlaps: np.ndarray
     clashesPer1000Atoms: float
+    operators: np.ndarray | None = None
 
 
 class ClashSearch:
@@ -35,39 +38,51 @@ class ClashSearch:
     ----------
     structure, trajectory : str or Path, or None
     finder : ClashFinder
+    crystal : Crystal whose copies count, or None
     frameCount : int or None
         the number of frames, if it is known
     notes : list of Note
         on the input; complete after the iteration
     madeWhole : list of int
         the searched frames in which molecules were made whole
-    imageClashes : list of str
-        clashes with periodic images in the first frame, after it was searched
+    imageNote : Note or None
+        on images or copies of the first frame that do not count, after it was searched
     """
 
-    def __init__(self, structure=None, trajectory=None, radii=None, water=False, ions=False, periodic=False):
+    def __init__(
+        self, structure=None, trajectory=None, radii=None, water=False, ions=False, periodic=False, symmetry=False
+    ):
         """Read the structure, or the villin headpiece of OpenMM's package; arguments are those of `findClashes`."""
         self.structure = villinPath() if structure is None else structure
         self.trajectory = trajectory
+        if symmetry and periodic:
+            raise InputError("symmetry copies include periodic images: choose one of them")
+        if symmetry and trajectory is not None:
+            raise InputError(f"{trajectory}: symmetry copies are made of the models of a structure, of no trajectory")
         # The reader of the trajectory starts while the structure is read.
         self._trajectory = None if trajectory is None else Trajectory(trajectory)
         try:
-            self._readStructure(radii, water, ions, periodic)
+            self._readStructure(radii, water, ions, periodic, symmetry)
             if trajectory is not None:
                 self._readHeader()
         except BaseException:
             self.close()
             raise
         self.madeWhole = []
-        self.imageClashes = []
+        self.imageNote = None
 
-    def _readStructure(self, radii, water, ions, periodic):
+    def _readStructure(self, radii, water, ions, periodic, symmetry):
         self._models = readModels(self.structure)
         topology, positions = self._models.topology, self._models.positions[0]
         self._box = boxOf(topology)
+        self._areNoted = not periodic and not symmetry
+        self._spaceGroup = spaceGroupOf(self._models) if self.trajectory is None else ""
         self._word = "model" if self.trajectory is None else "frame"
-        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions, periodic)
-        self.notes = [*self._models.notes, *self.finder.notes]
+        self.crystal = Crystal(self.structure, self._models) if symmetry else None
+        self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions, periodic, self.crystal)
+        self.notes = [*self._models.notes, *self.finder.notes, *(self.crystal.notes if symmetry else ())]
+        if periodic and self._spaceGroup:
+            self.notes.append(noteOnOtherCopies(self._spaceGroup))
         self.frameCount = len(self._models.positions)
 
     def _readHeader(self):
@@ -80,8 +95,8 @@ class ClashSearch:
 
     def __iter__(self):
         try:
-            for number, pairs, overlaps, score in self.overlaps():
-                yield FrameClashes(number, nameClashes(pairs, overlaps, self.finder.names), score)
+            for number, pairs, overlaps, score, operators in self.overlaps():
+                yield FrameClashes(number, nameClashes(self.finder.names, pairs, overlaps, operators), score)
         finally:
             self.noteBoxes()
             self.close()
@@ -97,21 +112,19 @@ class ClashSearch:
             whole = self.finder.makeWhole(positions, box, source)
             if whole is not positions:
                 self.madeWhole.append(number)
-            if number == 0:
-                self.imageClashes = self.finder.noteImages(whole, box).items
-            pairs, overlaps = self.finder.findOverlaps(whole, self._box if box is None else box, source)
-            yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount)
+            box = self._box if box is None else box
+            if number == 0 and self._areNoted:
+                self.imageNote = self.finder.noteImages(whole, box, self._spaceGroup)
+            pairs, overlaps, operators = self.finder.findOverlaps(whole, box, source)
+            yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount, operators)
 
     def noteBoxes(self):
-        """Add `madeWhole` and `imageClashes` to the notes."""
+        """Add `madeWhole` and `imageNote` to the notes."""
         kind = f"{self._word}s in which molecules were split over the periodic box, and made whole"
-        images = WITH_IMAGES if self.frameCount == 1 else f"{WITH_IMAGES}, in {self._word} 0 (from 0)"
-        self.notes += found(
-            [
-                Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole]),
-                Note(images, self.imageClashes),
-            ]
-        )
+        self.notes += found([Note(kind, [f"{self._word} {number} (from 0)" for number in self.madeWhole])])
+        if self.imageNote is not None:
+            place = f", in {self._word} 0 (from 0)" if self.imageNote.items and self.frameCount != 1 else ""
+            self.notes.append(Note(self.imageNote.kind + place, self.imageNote.items))
 
     def close(self):
         """Close the trajectory."""

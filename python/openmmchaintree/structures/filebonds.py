@@ -17,12 +17,8 @@ def bondsOfFile(structure, made):
         if first != second:
             bonds[min(first, second), max(first, second)] = None
 
-    byAddress = _atomsByAddress(made) if len(structure.connections) else {}
-    for connection in structure.connections:
-        if connection.type in _BONDS and connection.asu != gemmi.Asu.Different:
-            ends = [byAddress.get(_address(partner), ()) for partner in (connection.partner1, connection.partner2)]
-            if len(ends[0]) == 1 and len(ends[1]) == 1:
-                add(ends[0][0], ends[1][0])
+    for first, second in _connections(structure, made.topology, False):
+        add(first, second)
     bySerial = {}
     for index, atom in enumerate(made.atoms if structure.conect_map else ()):
         bySerial.setdefault(atom.serial, []).append(index)
@@ -34,10 +30,27 @@ def bondsOfFile(structure, made):
     return list(bonds)
 
 
-def _atomsByAddress(made):
+def bondsWithCopies(models):
+    """Return the pairs of an atom and an atom of a symmetry mate that Models list as bonded, lower index first."""
+    return sorted({(min(pair), max(pair)) for pair in _connections(models.file, models.topology, True)})
+
+
+def _connections(structure, topology, areWithMates):
+    """Return the listed bonds as pairs of atoms of a Topology: bonds with symmetry mates, or all others."""
+    byAddress = _atomsByAddress(topology) if len(structure.connections) else {}
+    pairs = []
+    for connection in structure.connections:
+        if connection.type in _BONDS and (connection.asu == gemmi.Asu.Different) == areWithMates:
+            ends = [byAddress.get(_address(partner), ()) for partner in (connection.partner1, connection.partner2)]
+            if len(ends[0]) == 1 and len(ends[1]) == 1:
+                pairs.append((ends[0][0], ends[1][0]))
+    return pairs
+
+
+def _atomsByAddress(topology):
     """Return the atoms by chain, residue number with insertion code, and name."""
     atoms = {}
-    for atom in made.topology.atoms():
+    for atom in topology.atoms():
         residue = atom.residue
         address = (residue.chain.id, residue.id + residue.insertionCode, atom.name)
         atoms.setdefault(address, []).append(atom.index)

@@ -6,6 +6,7 @@ import io
 import numpy as np
 from openmm import unit
 
+from ...clashes import eachClash
 from ..terminal import printable
 from .clashranking import ClashRanking
 from .noteoutput import asPlain, printNotes
@@ -39,6 +40,7 @@ def summarize(search, frames, ranking, damage, interrupted):
         "notes": asPlain(search.notes),
         "damage": None if damage is None else str(damage),
         "interrupted": interrupted,
+        "spaceGroup": None if search.crystal is None else search.crystal.spaceGroup,
         "clashesPerFrame": sum(len(frame.pairs) for frame in frames) / len(frames),
         "clashesPer1000Atoms": sum(frame.clashesPer1000Atoms for frame in frames) / len(frames),
         "residues": ranking.rankResidues(),
@@ -57,16 +59,16 @@ def plainFrames(search, frames):
             "index": frame.number,
             "clashesPer1000Atoms": frame.clashesPer1000Atoms,
             "worstResidues": [entry["residue"] for entry in ranking.rankResidues()[:_WORST_OF_A_FRAME]],
-            "clashes": [_describeClash(pair, overlap, names) for pair, overlap in _clashesOf(frame)],
+            "clashes": [_describeClash(*clash, names) for clash in _clashesOf(frame)],
         }
 
 
 def _clashesOf(frame):
-    """Return the pair and the overlap of each clash of a FrameOverlaps."""
-    return zip(frame.pairs.tolist(), frame.overlaps.tolist(), strict=True)
+    """Return the pair, the overlap and the operator of each clash of a FrameOverlaps."""
+    return eachClash(frame.pairs, frame.overlaps, frame.operators)
 
 
-def _describeClash(pair, overlap, names):
+def _describeClash(pair, overlap, operator, names):
     first, second = pair
     return {
         "particle1": first,
@@ -74,18 +76,23 @@ def _describeClash(pair, overlap, names):
         "atom1": names[first],
         "atom2": names[second],
         "overlap": overlap,
+        **({"operator": operator} if operator else {}),
     }
 
 
 def asCSV(search, frames):
-    """Yield CSV of the FrameOverlaps of a ClashSearch, in pieces: a heading, and a line for every clash."""
+    """Yield CSV of the FrameOverlaps of a ClashSearch, in pieces: a heading, and a line for every clash.
+
+    The last column are the operators, if copies in a crystal count.
+    """
     names = [[printable(part) for part in name] for name in search.finder.names]
     atoms = [f"{word}{number}" for number in (1, 2) for word in ("particle", "chain", "residue", "atom")]
-    yield _asLines([["frame", *atoms, "overlap_nm"]])
+    last = [] if search.crystal is None else ["operator"]
+    yield _asLines([["frame", *atoms, "overlap_nm", *last]])
     for frame in frames:
         yield _asLines(
-            [frame.number, first, *names[first], second, *names[second], f"{overlap:.6f}"]
-            for (first, second), overlap in _clashesOf(frame)
+            [frame.number, first, *names[first], second, *names[second], f"{overlap:.6f}", *[operator for _ in last]]
+            for (first, second), overlap, operator in _clashesOf(frame)
         )
 
 
@@ -103,6 +110,8 @@ def printReport(summary, search, frames, files, rows, console, isVerbose):
         f"looked at, {summary['radii']} radii; a clash is an overlap above {tolerance:g} nm, "
         f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond may be"
     )
+    if search.crystal is not None:
+        console.print(f"copies in the crystal count ({search.crystal.spaceGroup}): their operators are in brackets")
     printNotes(summary["notes"], console, isVerbose)
     if len(frames) == 1:
         _printFrame(summary, search, frames[0], rows, console)
@@ -120,8 +129,8 @@ def _printFrame(summary, search, frame, rows, console):
     console.print(f"{_countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
 
     def describeClash(clash):
-        (first, second), overlap = clash
-        return f"{overlap:.4f}", str(names[first]), str(names[second])
+        (first, second), overlap, operator = clash
+        return f"{overlap:.4f}", *_nameAtoms(names, first, second, operator)
 
     def describeResidue(entry):
         return entry["clashes"], f"{entry['worstOverlap']:.4f}", entry["residue"]
@@ -144,7 +153,8 @@ def _printFrames(summary, search, frames, rows, console):
     def describeFrame(frame):
         worst = np.argmax(frame.overlaps)
         counts = frame.number, len(frame.pairs), f"{frame.clashesPer1000Atoms:.1f}"
-        return *counts, f"{frame.overlaps[worst]:.4f}", *(str(names[atom]) for atom in frame.pairs[worst])
+        operator = "" if frame.operators is None else frame.operators[worst]
+        return *counts, f"{frame.overlaps[worst]:.4f}", *_nameAtoms(names, *frame.pairs[worst], operator)
 
     def describeShare(entry):
         return f"{100 * entry['frames'] / count:.0f}", f"{entry['worstOverlap']:.4f}", entry["worstFrame"]
@@ -163,6 +173,11 @@ def _printFrames(summary, search, frames, rows, console):
     _printTable("most frequent clashes", *headings, summary["pairs"], describePair, rows, console)
     headings = [f"a {word}", *shares], ["residue"]
     _printTable("residues with most clashes", *headings, summary["residues"], describeResidue, rows, console)
+
+
+def _nameAtoms(names, first, second, operator):
+    """Return two atoms in words, the second one with the operator of its copy."""
+    return str(names[first]), f"{names[second]} ({operator})" if operator else str(names[second])
 
 
 def _countClashes(count, form=","):
