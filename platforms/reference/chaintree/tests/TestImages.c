@@ -14,15 +14,6 @@ static struct Tally {
   long trials, clashes, byImageAlone, doubtful, accepted, neighbors, listedClashes, changed, boxes;
 } tally;
 
-/* A hash of verdicts, positions, and listed pairs with their values. */
-static uint64_t answers;
-
-static void note(double value) {
-  uint64_t bits;
-  memcpy(&bits, &value, sizeof bits);
-  answers = (answers ^ bits) * 0x100000001b3u;
-}
-
 /* A trial: links that change, and positions before and in it. */
 typedef struct Trial {
   int count;
@@ -505,7 +496,6 @@ static void testFaults(void) {
 }
 
 int main(int argumentCount, char** arguments) {
-  static const char* const sets[] = {"avx512", "avx2", "portable"};
   if (argumentCount > 1) {
     trialCount = atoi(arguments[1]);
   }
@@ -516,15 +506,7 @@ int main(int argumentCount, char** arguments) {
     testDrift(boxes[box]);
   }
   for (int box = 0; box < BOXES; box++) {
-    uint64_t ofWidest = 0;
-    for (int set = 0; set < 3; set++) {
-      setenv("CHAINTREE_SIMD", sets[set], 1);
-      state = seed + (uint32_t)box;
-      answers = 0;
-      testBox(boxes[box]);
-      ofWidest = set == 0 ? answers : ofWidest;
-      CHECK(answers == ofWidest);
-    }
+    checkInstructionSets(testBox, boxes[box], seed + (uint32_t)box);
   }
   printf("%ld trials, %ld accepted; %ld clashes, %ld by images alone, %ld within rounding; %ld changes of the box\n",
          tally.trials, tally.accepted, tally.clashes, tally.byImageAlone, tally.doubtful, tally.boxes);

@@ -1,6 +1,8 @@
 /* Pairs of leaves in periodic boxes, against the boxes around all leaves in all images in double.
  *
  * Usage: TestLeafImages [trials of each box] [seed]. */
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
 enum { CHAINS = 20 };
 
 #include "periodic.h"

@@ -1,5 +1,7 @@
 /* Energies in periodic boxes, and their changes in trials, against sums over nearest images of the callers' positions
- * in double. */
+ * in double, on each instruction set. */
+#define _POSIX_C_SOURCE 200112L /* setenv */
+
 enum { CHAINS = 7, TRIALS = 60 };
 
 #include "../../chaintree/tests/periodic.h"
@@ -376,9 +378,12 @@ static ctEnergyDefinition describeEnergy(const Model* m, const ctDefinition* sce
 }
 
 static void checkEnergies(const ctEnergy* energy, const Energies* expected) {
+  note(ctGetPairEnergy(energy));
+  note(ctGetPairSetEnergy(energy, 0));
   CHECK_NEAR(ctGetPairEnergy(energy), expected->value[0], 1e-4 + 3e-6 * expected->size);
   CHECK_NEAR(ctGetPairSetEnergy(energy, 0), expected->value[1], 1e-5);
   for (int s = 0; s < SETS; s++) {
+    note(ctGetTermEnergy(energy, s));
     CHECK_NEAR(ctGetTermEnergy(energy, s), expected->value[2 + s], 1e-8);
   }
 }
@@ -430,11 +435,13 @@ static void testBox(const double (*box)[3]) {
     for (int e = 0; e < 2 + SETS; e++) {
       expected += after.value[e] - before.value[e];
     }
+    note(change);
     CHECK_NEAR(change, expected, 1e-4 + 3e-6 * (before.size + after.size));
     double ofValues;
     double size;
     const double expectedOfValues = computeValueEnergy(&model, box, positions, &size);
     CHECK(ctComputeValueEnergies(energy, true, &ofValues) == ctSuccess);
+    note(ofValues);
     CHECK_NEAR(ofValues, expectedOfValues, 1e-6 * size);
     if (drawn() < 0.6) {
       double ofState;
@@ -481,7 +488,7 @@ static void testNarrowBox(void) {
 int main(void) {
   testNarrowBox();
   for (int box = 0; box < BOXES; box++) {
-    testBox(boxes[box]);
+    checkInstructionSets(testBox, boxes[box], 1 + (uint32_t)box);
   }
   return checkResult();
 }
