@@ -15,6 +15,7 @@
 #include "openmm/CustomGBForce.h"
 #include "openmm/CustomNonbondedForce.h"
 #include "openmm/CustomTorsionForce.h"
+#include "openmm/GBSAOBCForce.h"
 #include "openmm/HarmonicAngleForce.h"
 #include "openmm/HarmonicBondForce.h"
 #include "openmm/internal/NonbondedForceImpl.h"
@@ -141,6 +142,8 @@ struct PeriodicKind {
     bool hasSelf = true;
     /** Compute the energy by nearest images, and the sum of the magnitudes of its parts, if it is one of values. */
     function<double(const vector<Vec3>& x, const Box& box, double width, double& size)> computeValues = nullptr;
+    /** Make a Force that is needed beside it, whose energy is included in that of values. */
+    function<Force*(double width)> makePartner = nullptr;
     /** Get whether OpenMM's lists of neighbors decide which pairs count. */
     bool hasPairs() const
     {
@@ -492,8 +495,107 @@ static double computeValues(const vector<Vec3>& x, const Box& box, double width,
     return energy;
 }
 
+// ---- Generalized Born ----
+
+static double getBornRadius(int bead)
+{
+    return 0.15 + 0.01 * (bead % 5);
+}
+
+static const double BORN_OFFSET = 0.009, BORN_SCALE = 0.8, SOLVENT_DIELECTRIC = 78.5, BORN_CUTOFF = 0.45;
+
+static Force* makeGBSAOBC(double width)
+{
+    GBSAOBCForce* force = new GBSAOBCForce();
+    for (int i = 0; i < NUM_BEADS; i++)
+        force->addParticle(getCharge(i), getBornRadius(i), BORN_SCALE);
+    force->setSolventDielectric(SOLVENT_DIELECTRIC);
+    force->setSurfaceAreaEnergy(0);
+    force->setNonbondedMethod(GBSAOBCForce::CutoffPeriodic);
+    force->setCutoffDistance(BORN_CUTOFF * width);
+    return force;
+}
+
+static Force* makeCustomBorn(double width)
+{
+    CustomGBForce* force = new CustomGBForce();
+    for (const char* name : {"charge", "or", "sr"})
+        force->addPerParticleParameter(name);
+    for (int i = 0; i < NUM_BEADS; i++) {
+        const double offsetRadius = getBornRadius(i) - BORN_OFFSET;
+        force->addParticle({getCharge(i), offsetRadius, BORN_SCALE * offsetRadius});
+    }
+    force->addComputedValue("I",
+                            "select(step(r+sr2-or1), 0.5*(1/L-1/U+0.25*(r-sr2^2/r)*(1/(U^2)-1/(L^2))+"
+                            "0.5*log(L/U)/r), 0); U=r+sr2; L=max(or1, D); D=abs(r-sr2)",
+                            CustomGBForce::ParticlePairNoExclusions);
+    force->addComputedValue("B",
+                            "1/(1/or-tanh(psi-0.8*psi^2+4.85*psi^3)/radius); psi=I*or; radius=or+offset; offset=0.009",
+                            CustomGBForce::SingleParticle);
+    force->addEnergyTerm("-0.5*138.93545764438198*(1-1/78.5)*charge^2/B", CustomGBForce::SingleParticle);
+    force->addEnergyTerm("-138.93545764438198*(1-1/78.5)*charge1*charge2/f; f=sqrt(r^2+B1*B2*exp(-r^2/(4*B1*B2)))",
+                         CustomGBForce::ParticlePairNoExclusions);
+    force->setNonbondedMethod(CustomGBForce::CutoffPeriodic);
+    force->setCutoffDistance(BORN_CUTOFF * width);
+    return force;
+}
+
+/**
+ * Compute what a sphere at a distance contributes to the Born sum of another bead.
+ */
+static double computeBornPart(int i, int j, double r, bool isFilled)
+{
+    const double o = getBornRadius(i) - BORN_OFFSET, s = BORN_SCALE * (getBornRadius(j) - BORN_OFFSET);
+    if (r + s < o)
+        return 0;
+    const double upper = r + s, lower = max(o, fabs(r - s));
+    const double part = 1 / lower - 1 / upper + 0.25 * (r - s * s / r) * (1 / (upper * upper) - 1 / (lower * lower)) +
+                        0.5 * log(lower / upper) / r;
+    return 0.5 * part + (isFilled && o < s - r ? 1 / o - 1 / lower : 0);
+}
+
+/**
+ * Compute the energy of generalized Born, and of the NonbondedForce beside it.
+ *
+ * @param isGBSAOBC  whether spheres within others are filled and the energy of a pair is shifted at the cutoff
+ */
+static double computeBorn(const vector<Vec3>& x, const Box& box, double width, double& size, bool isGBSAOBC)
+{
+    const double cutoff = BORN_CUTOFF * width, factor = -COULOMB * (1 - 1 / SOLVENT_DIELECTRIC);
+    vector<double> sums(NUM_BEADS), radii;
+    forEachNearPair(x, box, cutoff, [&](int i, int j, double r) {
+        sums[i] += computeBornPart(i, j, r, isGBSAOBC);
+        sums[j] += computeBornPart(j, i, r, isGBSAOBC);
+    });
+    double energy = sumPairs(NONBONDED_KINDS[0], x, box, width, size);
+    auto add = [&](double part) {
+        energy += part;
+        size += fabs(part);
+    };
+    for (int i = 0; i < NUM_BEADS; i++) {
+        const double o = getBornRadius(i) - BORN_OFFSET, p = sums[i] * o;
+        radii.push_back(1 / (1 / o - tanh(p - 0.8 * p * p + 4.85 * p * p * p) / getBornRadius(i)));
+        add(0.5 * factor * getCharge(i) * getCharge(i) / radii[i]);
+    }
+    forEachNearPair(x, box, cutoff, [&](int i, int j, double r) {
+        const double product = radii[i] * radii[j], f = sqrt(r * r + product * exp(-r * r / (4 * product)));
+        add(factor * getCharge(i) * getCharge(j) * (1 / f - (isGBSAOBC ? 1 / cutoff : 0)));
+    });
+    return energy;
+}
+
 static const vector<PeriodicKind> VALUE_KINDS = {
     {"CustomGBForce", makeValues, nullptr, 0, nullptr, true, computeValues},
+    {"CustomGBForce, generalized Born", makeCustomBorn, nullptr, 0, nullptr, true,
+     [](const vector<Vec3>& x, const Box& box, double width, double& size) {
+         return computeBorn(x, box, width, size, false);
+     },
+     NONBONDED_KINDS[0].make},
+    {"GBSAOBCForce", makeGBSAOBC, nullptr, 0, nullptr, true,
+     [](const vector<Vec3>& x, const Box& box, double width, double& size) {
+         return computeBorn(x, box, width, size, true);
+     },
+     NONBONDED_KINDS[0].make},
 };
 
 // ---- Terms ----

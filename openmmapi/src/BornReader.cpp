@@ -290,8 +290,9 @@ EnergyTerms::Born BornReader::read(int index)
 {
     born.force = index;
     born.cutoff = numeric_limits<double>::infinity();
-    if (force.getNonbondedMethod() == CustomGBForce::CutoffNonPeriodic)
+    if (force.getNonbondedMethod() != CustomGBForce::NoCutoff)
         born.cutoff = force.getCutoffDistance();
+    born.periodic = force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic;
     require(numParticles > 0, "number of particles");
     parse();
     readPairSum();

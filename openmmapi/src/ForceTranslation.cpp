@@ -217,7 +217,9 @@ public:
      */
     string checkImages(const EnergyTerms& terms) const
     {
-        bool arePeriodic = terms.born.size() == born;
+        bool arePeriodic = true;
+        for (size_t i = born; i < terms.born.size(); i++)
+            arePeriodic = arePeriodic && terms.born[i].periodic;
         for (size_t i = nonbonded; i < terms.nonbonded.size(); i++)
             arePeriodic = arePeriodic && terms.nonbonded[i].periodic;
         for (size_t i = pairSets; i < terms.pairSets.size(); i++)

@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/NativeEnergyCheck.h"
 #include "openmm/Context.h"
 #include "openmm/Force.h"
+#include "openmm/GBSAOBCForce.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/Platform.h"
 #include "openmm/System.h"
@@ -202,11 +203,16 @@ static set<int> findPairForces(const EnergyTerms& terms)
 }
 
 /**
- * Find the Forces with energies of periodic pairs.
+ * Find the Forces with periodic pairs that the Reference platform takes from its lists of neighbors. A GBSAOBCForce has
+ * none there.
  */
-static set<int> findPeriodicPairs(const EnergyTerms& terms)
+static set<int> findPeriodicPairs(const EnergyPlan& plan)
 {
+    const EnergyTerms& terms = plan.getTerms();
     set<int> forces;
+    for (const EnergyTerms::Born& born : terms.born)
+        if (born.periodic && dynamic_cast<const GBSAOBCForce*>(&plan.getCopy(born.force)) == NULL)
+            forces.insert(born.force);
     for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
         if (nonbonded.periodic)
             forces.insert(nonbonded.force);
@@ -333,7 +339,7 @@ void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEn
 {
     int groups = plan.getWhollyNativeGroups();
     if (!isRectangular(getBox(context)))
-        for (int force : findPeriodicPairs(plan.getTerms()))
+        for (int force : findPeriodicPairs(plan))
             if (context.getPlatform().getName() == "Reference" || findPairPlatform(getBox(context)) == NULL)
                 groups &= ~plan.getEntries()[force].groups;
     for (int group = 0; group < NUM_GROUPS; group++) {
@@ -360,7 +366,7 @@ vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>
 {
     const BoxVectors box = getBox(context);
     Platform* ofPairs = findPairPlatform(box);
-    const set<int> periodicPairs = findPeriodicPairs(plan.getTerms());
+    const set<int> periodicPairs = findPeriodicPairs(plan);
     vector<int> onReference, onOther;
     for (int force : plan.getTranslatedForces()) {
         if (isRectangular(box) || periodicPairs.count(force) == 0)

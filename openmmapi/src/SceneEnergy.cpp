@@ -181,6 +181,20 @@ static ctBorn describe(const EnergyTerms::Born& given)
 }
 
 /**
+ * In a periodic box cutoffs are at most half of its width. Those of the Forces are, so the stand-in's must not be
+ * longer.
+ */
+static ctStandIn describeStandIn(const EnergyTerms& terms)
+{
+    ctStandIn standIn = terms.standIn;
+    if (!terms.born.empty() && terms.born[0].periodic) {
+        standIn.bornCutoff = min(standIn.bornCutoff, terms.born[0].cutoff);
+        standIn.pairCutoff = min(standIn.pairCutoff, min(terms.born[0].cutoff, terms.nonbonded[0].cutoff));
+    }
+    return standIn;
+}
+
+/**
  * Describe each item by pointers into arrays, which must outlive the descriptions.
  */
 template <class Description, class Arrays, class Given>
@@ -251,11 +265,12 @@ SceneEnergy::Handle SceneEnergy::create(ctChainTree* tree, const ctDefinition& s
     const vector<ctValueEnergy> valueEnergies = describeAll<ctValueEnergy>(terms.valueEnergies, valueArrays);
     const ctNonbonded nonbonded = terms.nonbonded.empty() ? ctNonbonded() : describe(terms.nonbonded[0]);
     const ctBorn born = terms.born.empty() ? ctBorn() : describe(terms.born[0]);
+    const ctStandIn standIn = describeStandIn(terms);
     ctEnergyDefinition definition = {};
     definition.scene = &scene;
     definition.nonbonded = terms.nonbonded.empty() ? NULL : &nonbonded;
     definition.born = terms.born.empty() ? NULL : &born;
-    definition.standIn = terms.born.empty() ? NULL : &terms.standIn;
+    definition.standIn = terms.born.empty() ? NULL : &standIn;
     definition.pairSetCount = pairSets.size();
     definition.pairSets = pairSets.data();
     definition.termSetCount = sets.size();
@@ -325,18 +340,25 @@ bool SceneEnergy::update(bool force)
     return true;
 }
 
+/**
+ * Get the inverse of the volume of the periodic box, 1/nm^3; 0 without one.
+ */
+double SceneEnergy::getInverseVolume() const
+{
+    double box[3][3];
+    return ctGetBox(scene.tree.get(), box) ? 1 / (box[0][0] * box[1][1] * box[2][2]) : 0;
+}
+
 void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets)
 {
     const ctEnergy* energy = require();
-    double box[3][3], density = 0;
-    if (ctGetBox(scene.tree.get(), box))
-        density = 1 / (box[0][0] * box[1][1] * box[2][2]);
+    const double perVolume = getInverseVolume();
     pairs = ctGetPairEnergy(energy);
     if (!terms.nonbonded.empty())
-        pairs += terms.nonbonded[0].dispersion * density;
+        pairs += terms.nonbonded[0].dispersion * perVolume;
     pairSets.resize(terms.pairSets.size());
     for (size_t i = 0; i < pairSets.size(); i++)
-        pairSets[i] = ctGetPairSetEnergy(energy, i) + terms.pairSets[i].longRange * density;
+        pairSets[i] = ctGetPairSetEnergy(energy, i) + terms.pairSets[i].longRange * perVolume;
     termSets.resize(terms.termSets.size());
     for (size_t i = 0; i < termSets.size(); i++)
         termSets[i] = ctGetTermEnergy(energy, i);
@@ -345,6 +367,8 @@ void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<do
 void SceneEnergy::computeWhole(double& nonbonded, double& born)
 {
     check(ctComputeWholeEnergy(require(), &nonbonded, &born, &scene.counts));
+    if (!terms.nonbonded.empty())
+        nonbonded += terms.nonbonded[0].dispersion * getInverseVolume();
 }
 
 void SceneEnergy::computeValues(bool inTrial, vector<double>& energies)

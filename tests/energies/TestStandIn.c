@@ -1,6 +1,6 @@
 /* The stand-in for Born solvation in random programs of trials: its energy against all pairs in long double, changes of
  * trials against the states before and after, near pairs there against near pairs back, and the bits of each
- * instruction set.
+ * instruction set. Two of five scenes are in a periodic box.
  *
  * Usage: TestStandIn [programs] [seed]. A failure prints its seed. */
 #define _POSIX_C_SOURCE 200112L /* setenv */
@@ -17,7 +17,7 @@
 
 enum { MOST_PARTICLES = 300, NECK_TYPES = 3 };
 
-static const int defaultProgramCount = 60;
+static const int defaultProgramCount = 100;
 static const uint64_t defaultSeed = 20261122;
 
 static struct Tally {
@@ -39,6 +39,8 @@ typedef struct Program {
     double necks[2][NECK_TYPES * NECK_TYPES];
     int exclusions[3 * MOST_PARTICLES][2];
     double far[MOST_PARTICLES];
+    double box[3][3];
+    bool isPeriodic;
     double positions[3 * MOST_PARTICLES];
     bool isJudged;
     uint64_t answers;
@@ -109,6 +111,20 @@ static void describe(Program* p)
                              randomChance(random, 0.5) ? 0.05 : randomReal(random, 0.002, 0.2)};
 }
 
+/* Cutoffs as long as the stand-in's or longer, and a box for which they are short enough. */
+static void drawBox(Program* p)
+{
+    const double cutoff = fmax(p->standIn.bornCutoff, p->standIn.pairCutoff) + randomReal(&p->random, 0, 0.5);
+    p->born.cutoff = p->nonbonded.cutoff = cutoff;
+    p->born.shift = 1 / cutoff;
+    p->nonbonded.dielectric = 60;
+    for (int k = 0; k < 3; k++) {
+        p->box[k][k] = 2 * cutoff + (randomChance(&p->random, 0.5) ? 0.001 : randomReal(&p->random, 0, 4));
+        for (int d = 0; d < k && randomChance(&p->random, 0.7); d++)
+            p->box[k][d] = randomReal(&p->random, -0.5, 0.5) * p->box[d][d];
+    }
+}
+
 static void createProgram(Program* p, uint64_t seed, bool isJudged)
 {
     memset(p, 0, sizeof *p);
@@ -122,9 +138,14 @@ static void createProgram(Program* p, uint64_t seed, bool isJudged)
     uint8_t listed[MOST_PARTICLES];
     memset(listed, 1, sizeof listed);
     memset(p->scene.radii, 0, (size_t)p->scene.particleCount * sizeof(double));
-    const ctDefinition scene = defineScene(&p->scene, listed);
-    p->tree = createDefined(&scene);
+    ctDefinition scene = defineScene(&p->scene, listed);
     describe(p);
+    p->isPeriodic = seed % 5 % 2 == 1;
+    if (p->isPeriodic)
+        drawBox(p);
+    scene.box = p->isPeriodic ? (const double(*)[3])p->box : NULL;
+    setStandInBox(scene.box);
+    p->tree = createDefined(&scene);
     p->definition =
         (ctEnergyDefinition){.scene = &scene, .nonbonded = &p->nonbonded, .born = &p->born, .standIn = &p->standIn};
     char text[200] = "";
@@ -154,6 +175,19 @@ static StandInSum judge(Program* p)
     return sum;
 }
 
+/* Compares the energies that the stand-in stands for with sums over all pairs. */
+static void compareWhole(Program* p)
+{
+    const WholeSum sum = sumWhole(&p->definition, p->scene.particleCount, p->positions);
+    double nonbonded, born;
+    if (ctComputeWholeEnergy(p->energy, &nonbonded, &born, NULL) != ctSuccess)
+        fail(p, "a whole energy", 1, 0);
+    if (!(fabsl(nonbonded - sum.nonbonded) <= 1e-6L * sum.size))
+        fail(p, "Lennard-Jones and Coulomb", nonbonded, sum.nonbonded);
+    if (!(fabsl(born - sum.born) <= 2e-6L * sum.size))
+        fail(p, "the Born energy", born, sum.born);
+}
+
 /* Compares the stored energy with that of all pairs, and with a recomputed one. */
 static void compareState(Program* p)
 {
@@ -168,6 +202,8 @@ static void compareState(Program* p)
         const double fresh = ctGetPairEnergy(p->energy);
         if (!sum.isAmbiguous && !(fabsl(kept - fresh) <= sum.doubt + 1e-6L))
             fail(p, "the energy kept against a fresh one", kept, fresh);
+        if (!sum.isAmbiguous && p->isPeriodic)
+            compareWhole(p);
     }
     else if (ctRefreshEnergy(p->energy, NULL) != ctSuccess)
         fail(p, "a refresh", 1, 0);

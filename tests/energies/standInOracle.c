@@ -116,6 +116,50 @@ static long double slopeOfPair(const ctEnergyDefinition* d, const StandInModel* 
     return slope - charges * fadeOf(d, r) * shiftOf(model, 1, logI, logJ) * STANDIN_GRADIENT;
 }
 
+void setStandInBox(const double (*box)[3])
+{
+    oracleBox = box;
+}
+
+/* Lennard-Jones, and Coulomb with a reaction field. */
+static long double nonbondedOfPair(const ctNonbonded* n, int i, int j, long double r)
+{
+    const long double cutoff = n->cutoff, sixth = powl((n->sigmas[i] + (long double)n->sigmas[j]) / 2 / r, 6);
+    const long double k = (n->dielectric - 1) / (2 * n->dielectric + 1) / powl(cutoff, 3);
+    const long double c = 3 * n->dielectric / (2 * n->dielectric + 1) / cutoff;
+    return 4 * sqrtl((long double)n->epsilons[i] * n->epsilons[j]) * sixth * (sixth - 1) +
+           (long double)CT_COULOMB * n->charges[i] * n->charges[j] * (1 / r + k * r * r - c);
+}
+
+WholeSum sumWhole(const ctEnergyDefinition* d, int particleCount, const double* positions)
+{
+    WholeSum sum = {0, 0, 1};
+    long double* radii = malloc((size_t)particleCount * sizeof *radii);
+    if (radii == NULL)
+        abort();
+    for (int i = 0; i < particleCount; i++) {
+        radii[i] = oracleBornRadius(d->born, i, oracleBornSum(d->born, particleCount, positions, i, d->born->cutoff));
+        sum.born += oracleBornSelf(d->born, i, radii[i]);
+        sum.size += fabsl(oracleBornSelf(d->born, i, radii[i]));
+    }
+    for (int i = 0; i < particleCount; i++)
+        for (int j = 0; j < i; j++) {
+            const long double r = oracleDistance(positions, i, j);
+            if (r < d->born->cutoff) {
+                const long double born = oracleBornPair(d->born, i, j, r, radii[i], radii[j]);
+                sum.born += born;
+                sum.size += fabsl(born) * (1 + 1 / r);
+            }
+            if (r < d->nonbonded->cutoff && !isExcluded(d->nonbonded, i, j)) {
+                const long double nonbonded = nonbondedOfPair(d->nonbonded, i, j, r);
+                sum.nonbonded += nonbonded;
+                sum.size += fabsl(nonbonded) * (1 + 12 / r);
+            }
+        }
+    free(radii);
+    return sum;
+}
+
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far)
 {
     StandInSum sum = {0};

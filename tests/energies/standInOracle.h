@@ -12,6 +12,18 @@ typedef struct StandInSum {
                           radius is beyond what the stand-in bounds */
 } StandInSum;
 
+/* Lets the distances of both sums be those of nearest images in a periodic box of these vectors; NULL: in none. */
+void setStandInBox(const double (*box)[3]);
+
+/* The energies that the stand-in stands for, and the sum of the magnitudes of its parts, larger for near pairs, whose
+ * distances round more. */
+typedef struct WholeSum {
+    long double nonbonded, born, size;
+} WholeSum;
+
+/* Both cutoffs are finite. */
+WholeSum sumWhole(const ctEnergyDefinition* d, int particleCount, const double* positions);
+
 /* `far` is the part of each Born sum that stands for particles far away. */
 StandInSum sumStandIn(const ctEnergyDefinition* d, int particleCount, const double* positions, const double* far);
 

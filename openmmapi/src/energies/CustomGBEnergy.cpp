@@ -48,7 +48,7 @@ static string translateCustomGB(const CustomGBForce& force, const NativeForceKin
     const bool isPeriodic = setting.isPeriodic && force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic;
     if (force.getNonbondedMethod() == CustomGBForce::CutoffPeriodic && !isPeriodic)
         return "its cutoff is periodic";
-    string whyNoBorn = isPeriodic ? "trials use no stand-in in a periodic box" : checkBornPartners(terms);
+    string whyNoBorn = checkBornPartners(terms);
     try {
         if (whyNoBorn.empty()) {
             terms.born.push_back(BornReader(force, setting.parameters).read(setting.index));

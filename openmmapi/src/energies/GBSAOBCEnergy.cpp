@@ -13,7 +13,8 @@ static const double ALPHA = 1, BETA = 0.8, GAMMA = 4.85;
 
 static string translateGBSAOBC(const GBSAOBCForce& force, const NativeForceKind::Setting& setting, EnergyTerms& terms)
 {
-    if (force.getNonbondedMethod() == GBSAOBCForce::CutoffPeriodic)
+    const bool isPeriodic = force.getNonbondedMethod() == GBSAOBCForce::CutoffPeriodic;
+    if (isPeriodic && !setting.isPeriodic)
         return "its cutoff is periodic";
     const string reason = checkBornPartners(terms);
     if (!reason.empty())
@@ -38,7 +39,8 @@ static string translateGBSAOBC(const GBSAOBCForce& force, const NativeForceKind:
     born.surfaceEnergy = 4 * M_PI * force.getSurfaceAreaEnergy();
     born.probeRadius = PROBE_RADIUS;
     born.cutoff = numeric_limits<double>::infinity();
-    if (force.getNonbondedMethod() == GBSAOBCForce::CutoffNonPeriodic) {
+    born.periodic = isPeriodic;
+    if (force.getNonbondedMethod() != GBSAOBCForce::NoCutoff) {
         born.cutoff = force.getCutoffDistance();
         born.shift = 1 / born.cutoff;
     }

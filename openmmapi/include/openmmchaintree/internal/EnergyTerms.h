@@ -86,6 +86,7 @@ public:
         /** Infinite if there is none. */
         double cutoff;
         double shift;
+        bool periodic;
     };
     /** An expression of the numbers of a particle or of two. */
     struct ValueExpression {

@@ -79,6 +79,7 @@ private:
     void check(ctStatus status) const;
     std::vector<uint8_t> findListed() const;
     int getStandInSize() const;
+    double getInverseVolume() const;
     /**
      * Free the energy, because its tree ends.
      */

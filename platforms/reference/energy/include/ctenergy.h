@@ -24,8 +24,7 @@
  * Periodic boxes. In a scene with a box, pairs count in the image that is within the cutoff, which is at most half the
  * box's width. Terms are of the particles as they are, or of nearest images, see ctTermSet.isPeriodic: each difference
  * of positions is reduced as OpenMM does. Places are those of callers, without the shifts of molecules (see
- * ctGetLeaves). Born energies have no images. Refreshing such an energy is an error; so is a box that is too narrow for
- * a cutoff.
+ * ctGetLeaves). Refreshing the energy in a box that is too narrow for a cutoff is an error.
  *
  * Errors and arguments. As in chaintree.h; what has no value is NaN. One scene can have one energy or more; handles of
  * one scene serve one thread at a time. The scene has to outlive them.

@@ -2,7 +2,7 @@
 #ifndef CT_BLOCKIMAGES_H_
 #define CT_BLOCKIMAGES_H_
 
-#include "leafpair.h"
+#include "imageframe.h"
 #include "periodicbox.h"
 
 /* Particles of a wrapped block are at most half a box from the first in each direction, and a reach is at most half of
@@ -21,10 +21,6 @@ void ctWrapBlock(const PeriodicBox* box, int count, ctLeafPositions* positions);
 /* Finds the images of wrapped block a that are within reach of wrapped block b; without a box, block a itself. */
 void ctFindBlockImages(const PeriodicBox* box, const LeafFrame* a, const LeafFrame* b, double reach,
                        BlockImages* found);
-
-static inline bool isShifted(const int image[3]) {
-  return image[0] != 0 || image[1] != 0 || image[2] != 0;
-}
 
 /* False for one of two opposite images. */
 static inline bool isFirstOfOpposite(const int image[3]) {

@@ -165,25 +165,31 @@ static double lag(const ctEnergy* energy) {
   return ctGetTotalShift(energy->tree) - energy->shift;
 }
 
-/* Fails if the scene is periodic and some part of the energy has no periodic images, or more than one of a pair. */
+/* Fails if a cutoff is more than half the width of the periodic box. */
+static ctStatus checkCutoff(ctEnergy* energy, const double box[3][3], const char* name, int number, double cutoff) {
+  const double half = fmin(box[0][0], fmin(box[1][1], box[2][2])) / 2;
+  return cutoff <= half ? ctSuccess
+                        : fail(energy, ctInvalidArgument,
+                               "the cutoff of %s %d is %g nm; it must be at most half the periodic box's width, %g nm",
+                               name, number, cutoff, half);
+}
+
+/* Fails if the scene is periodic and some part of the energy that is computed as a whole has a longer cutoff. */
 static ctStatus checkBox(ctEnergy* energy) {
   double box[3][3];
   if (!ctGetBox(energy->tree, box)) {
     return ctSuccess;
   }
-  if (hasStandIn(energy)) {
-    return fail(energy, ctInvalidArgument, "in a periodic box there are no Born energies");
+  ctStatus status = ctSuccess;
+  for (int i = 0; i < energy->values.count && status == ctSuccess; i++) {
+    status = checkCutoff(energy, (const double(*)[3])box, "value energy", i, energy->values.energies[i].cutoff);
   }
-  const double half = fmin(box[0][0], fmin(box[1][1], box[2][2])) / 2;
-  for (int i = 0; i < energy->values.count; i++) {
-    const double cutoff = energy->values.energies[i].cutoff;
-    if (!(cutoff <= half)) {
-      return fail(energy, ctInvalidArgument,
-                  "the cutoff of value energy %d is %g nm; it must be at most half the periodic box's width, %g nm", i,
-                  cutoff, half);
-    }
+  const WholeEnergy* whole = &energy->pairs.whole;
+  const double cutoffs[] = {sqrt(whole->nonbonded.potential.exact[0]), sqrt(whole->born.model.exactCutoff)};
+  for (int i = 0; i < 2 && status == ctSuccess && hasStandIn(energy); i++) {
+    status = checkCutoff(energy, (const double(*)[3])box, "energy", i, cutoffs[i]);
   }
-  return ctSuccess;
+  return status;
 }
 
 ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts) {

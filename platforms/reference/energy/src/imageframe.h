@@ -6,8 +6,9 @@
 
 #include "leafpair.h"
 
-static inline bool isImagePair(const ctLeafPair* pair) {
-  return pair->image[0] != 0 || pair->image[1] != 0 || pair->image[2] != 0;
+/* True if these numbers of box vectors are an image, not the scene itself. */
+static inline bool isShifted(const int image[3]) {
+  return image[0] != 0 || image[1] != 0 || image[2] != 0;
 }
 
 /* The sum of these numbers of box vectors. */

@@ -22,7 +22,8 @@ void ctNeighborsFree(Neighbors* neighbors) {
   *neighbors = (Neighbors){0};
 }
 
-void ctNeighborsClear(Neighbors* neighbors) {
+void ctNeighborsClear(Neighbors* neighbors, bool hasImages) {
+  neighbors->hasImages = hasImages;
   for (int leaf = 0; leaf < neighbors->leafCount; leaf++) {
     neighbors->rows[leaf].count = 0;
   }
@@ -30,10 +31,34 @@ void ctNeighborsClear(Neighbors* neighbors) {
   neighbors->freeCount = 0;
 }
 
-int ctNeighborsFind(const Neighbors* neighbors, int a, int b) {
+/* Below 0, 0 or above 0 as an image is before another, the same, or behind it. */
+static int compareImages(const int a[3], const int b[3]) {
+  for (int k = 0; k < 2; k++) {
+    if (a[k] != b[k]) {
+      return a[k] < b[k] ? -1 : 1;
+    }
+  }
+  return (a[2] > b[2]) - (a[2] < b[2]);
+}
+
+/* The index in a row of the first pair that is not before the pair with this leaf in this image. */
+static int placeOfPair(const Neighbors* neighbors, const NeighborRow* row, int leaf, const int image[3]) {
+  int i = placeOf(row->leaves, row->count, leaf);
+  while (neighbors->hasImages && i < row->count && row->leaves[i] == leaf &&
+         compareImages(neighbors->records[row->pairs[i]].image, image) < 0) {
+    i++;
+  }
+  return i;
+}
+
+int ctNeighborsFind(const Neighbors* neighbors, int a, int b, const int image[3]) {
   const NeighborRow* row = &neighbors->rows[a];
-  const int i = placeOf(row->leaves, row->count, b);
-  return i < row->count && row->leaves[i] == b ? row->pairs[i] : CT_NULL;
+  const int i = placeOfPair(neighbors, row, b, image);
+  if (i >= row->count || row->leaves[i] != b) {
+    return CT_NULL;
+  }
+  const int pair = row->pairs[i];
+  return neighbors->hasImages && compareImages(neighbors->records[pair].image, image) != 0 ? CT_NULL : pair;
 }
 
 /* ---- Numbers ---- */
@@ -49,7 +74,7 @@ static bool setCapacity(Neighbors* neighbors, int capacity) {
   return true;
 }
 
-int ctNeighborsReserve(Neighbors* neighbors) {
+int ctNeighborsReserve(Neighbors* neighbors, const int image[3]) {
   if (neighbors->freeCount == 0 && neighbors->pairCount == neighbors->pairCapacity &&
       !setCapacity(neighbors, neighbors->pairCapacity + neighbors->pairCapacity / 2 + 64)) {
     return CT_NULL;
@@ -59,6 +84,7 @@ int ctNeighborsReserve(Neighbors* neighbors) {
   record->energy = 0;
   record->trial = 0;
   record->hasPairs = record->hasBorn = false;
+  memcpy(record->image, image, sizeof record->image);
   return pair;
 }
 
@@ -81,8 +107,8 @@ static bool growRow(NeighborRow* row) {
   return true;
 }
 
-static void insert(NeighborRow* row, int leaf, int pair) {
-  const int i = placeOf(row->leaves, row->count, leaf);
+static void insert(const Neighbors* neighbors, NeighborRow* row, int leaf, int pair) {
+  const int i = placeOfPair(neighbors, row, leaf, neighbors->records[pair].image);
   memmove(row->leaves + i + 1, row->leaves + i, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->pairs + i + 1, row->pairs + i, (size_t)(row->count - i) * sizeof *row->pairs);
   row->leaves[i] = leaf;
@@ -90,8 +116,8 @@ static void insert(NeighborRow* row, int leaf, int pair) {
   row->count++;
 }
 
-static void drop(NeighborRow* row, int leaf) {
-  const int i = placeOf(row->leaves, row->count, leaf);
+static void drop(const Neighbors* neighbors, NeighborRow* row, int leaf, int pair) {
+  const int i = placeOfPair(neighbors, row, leaf, neighbors->records[pair].image);
   row->count--;
   memmove(row->leaves + i, row->leaves + i + 1, (size_t)(row->count - i) * sizeof *row->leaves);
   memmove(row->pairs + i, row->pairs + i + 1, (size_t)(row->count - i) * sizeof *row->pairs);
@@ -103,17 +129,17 @@ bool ctNeighborsAdd(Neighbors* neighbors, int a, int b, int pair) {
   if ((rowA->count == rowA->capacity && !growRow(rowA)) || (rowB->count == rowB->capacity && !growRow(rowB))) {
     return false;
   }
-  insert(rowA, b, pair);
+  insert(neighbors, rowA, b, pair);
   if (a != b) {
-    insert(rowB, a, pair);
+    insert(neighbors, rowB, a, pair);
   }
   return true;
 }
 
-void ctNeighborsRemove(Neighbors* neighbors, int a, int b) {
-  drop(&neighbors->rows[a], b);
+void ctNeighborsRemove(Neighbors* neighbors, int a, int b, int pair) {
+  drop(neighbors, &neighbors->rows[a], b, pair);
   if (a != b) {
-    drop(&neighbors->rows[b], a);
+    drop(neighbors, &neighbors->rows[b], a, pair);
   }
 }
 
@@ -140,6 +166,7 @@ bool ctNeighborsCopy(Neighbors* copy, const Neighbors* original) {
   const size_t pairs = (size_t)original->pairCount;
   copy->pairCount = original->pairCount;
   copy->freeCount = original->freeCount;
+  copy->hasImages = original->hasImages;
   if (pairs > 0) {
     memcpy(copy->records, original->records, pairs * sizeof *copy->records);
     memcpy(copy->free, original->free, (size_t)original->freeCount * sizeof *copy->free);

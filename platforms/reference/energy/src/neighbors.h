@@ -1,4 +1,4 @@
-/* Pairs of leaves that are near each other, and a record of each. */
+/* Pairs of leaves that are near each other, in each periodic image, and a record of each. */
 #ifndef CT_NEIGHBORS_H_
 #define CT_NEIGHBORS_H_
 
@@ -14,9 +14,10 @@ typedef struct PairRecord {
   int64_t trial; /* of a record of the state: the last trial that recomputed it */
   bool hasPairs; /* if false, the energy and derivatives count as 0 */
   bool hasBorn;  /* the same of Born sums */
+  int image[3];  /* the numbers of box vectors by which a is shifted */
 } PairRecord;
 
-/* The neighbours of a leaf, ascending. */
+/* The neighbours of a leaf, ascending, and of one leaf by its images. */
 typedef struct NeighborRow {
   int count;
   int capacity;
@@ -26,6 +27,7 @@ typedef struct NeighborRow {
 
 typedef struct Neighbors {
   int leafCount;
+  bool hasImages;
   NeighborRow* rows; /* one a leaf; each pair is in both */
   int pairCount;     /* numbers given out, of which freeCount are free again */
   int pairCapacity;
@@ -38,14 +40,14 @@ typedef struct Neighbors {
 bool ctNeighborsCreate(Neighbors* neighbors, int leafCount);
 void ctNeighborsFree(Neighbors* neighbors);
 
-/* Removes all pairs. */
-void ctNeighborsClear(Neighbors* neighbors);
+/* Removes all pairs. Those that are added then may have images, or have none. */
+void ctNeighborsClear(Neighbors* neighbors, bool hasImages);
 
-/* The number of the pair of leaves a and b, or CT_NULL. O(log of the row). */
-int ctNeighborsFind(const Neighbors* neighbors, int a, int b);
+/* The number of the pair of leaves a and b in an image, whose lower leaf is shifted, or CT_NULL. O(log of the row). */
+int ctNeighborsFind(const Neighbors* neighbors, int a, int b, const int image[3]);
 
-/* Gives out a number for a pair, with an empty record; CT_NULL if there is no memory. */
-int ctNeighborsReserve(Neighbors* neighbors);
+/* Gives out a number for a pair in an image, with an empty record; CT_NULL if there is no memory. */
+int ctNeighborsReserve(Neighbors* neighbors, const int image[3]);
 
 /* Frees the number of a pair that is in no row. */
 void ctNeighborsRelease(Neighbors* neighbors, int pair);
@@ -53,7 +55,7 @@ void ctNeighborsRelease(Neighbors* neighbors, int pair);
 /* Adds a pair to the rows of its leaves, or removes it. Adding is false, and nothing changed, if there is no memory.
  * O(rows). */
 bool ctNeighborsAdd(Neighbors* neighbors, int a, int b, int pair);
-void ctNeighborsRemove(Neighbors* neighbors, int a, int b);
+void ctNeighborsRemove(Neighbors* neighbors, int a, int b, int pair);
 
 /* Makes one a copy of another for as many leaves. False if there is no memory; then the copy is of no use. */
 bool ctNeighborsCopy(Neighbors* copy, const Neighbors* original);

@@ -32,7 +32,7 @@ typedef struct PairBatch {
 static void addToPairBatch(PairBatch* batch, const TrialLeaves* leaves, const ctLeafPair* pair, const LeafFrame* frameA,
                            const LeafFrame* frameB) {
   const int i = batch->count++;
-  const bool isImage = isImagePair(pair);
+  const bool isImage = isShifted(pair->image);
   if (isImage) {
     shiftFrame(frameA, leaves->box, pair->image, &batch->shifted[i]);
   }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "imageframe.h"
+
 /* ---- Life ---- */
 
 static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
@@ -153,14 +155,16 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
 }
 
 /* A leaf in a pair with another. */
-static StandInSide sideOf(const StandIn* standIn, const PlacedLeaf* placed, int other) {
+static StandInSide sideOf(const StandIn* standIn, const PlacedLeaf* placed, const PlacedLeaf* other) {
+  const PairMask* mask = &standIn->nonbonded.mask;
   const int leaf = placed->leaf;
+  const bool isSelf = placed->frame == other->frame; /* and not an image */
   return (StandInSide){.frame = placed->frame,
                        .columns = &standIn->nonbonded.columns[leaf],
                        .charge = standIn->born.columns[leaf].charge,
                        .radii = placed->radii,
                        .shift = placed->shift,
-                       .excluded = pairMaskOf(&standIn->nonbonded.mask, leaf, other)};
+                       .excluded = isSelf ? pairMaskOf(mask, leaf, leaf) : pairMaskOfImage(mask, leaf, other->leaf)};
 }
 
 void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
@@ -168,8 +172,8 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
   record->energy = 0;
   record->hasPairs = hasPairs(rows);
   if (record->hasPairs) {
-    const StandInSide sideA = sideOf(standIn, a, b->leaf);
-    const StandInSide sideB = sideOf(standIn, b, a->leaf);
+    const StandInSide sideA = sideOf(standIn, a, b);
+    const StandInSide sideB = sideOf(standIn, b, a);
     memset(record->gradient, 0, sizeof record->gradient);
     record->energy = standIn->leaves->wide->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
                                                          record->gradient[1]);
@@ -190,8 +194,8 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
     ctStandInComputePairs(standIn, a, b, &rows, record);
     return;
   }
-  StandInSide sideA[2] = {sideOf(standIn, a, b->leaf)};
-  StandInSide sideB[2] = {sideOf(standIn, b, a->leaf)};
+  StandInSide sideA[2] = {sideOf(standIn, a, b)};
+  StandInSide sideB[2] = {sideOf(standIn, b, a)};
   sideA[1] = sideA[0];
   sideB[1] = sideB[0];
   sideA[1].radii = &stateLeaf(standIn, a->leaf)->radii;
@@ -218,11 +222,21 @@ static void addAll(double* sums, const float* parts) {
   }
 }
 
-/* Which particles of two leaves are near in the state. */
-static NearRows rowsInState(const StandIn* standIn, int a, int b) {
+void ctStandInFindFrames(const StandIn* standIn, int a, int b, const int image[3], bool inTrial, PairFrames* frames) {
+  TrialLeaves* leaves = standIn->leaves;
+  frames->a = inTrial ? ctTrialFrame(leaves, a) : ctStateFrame(leaves, a);
+  frames->b = inTrial ? ctTrialFrame(leaves, b) : ctStateFrame(leaves, b);
+  if (leaves->isPeriodic && isShifted(image)) {
+    shiftFrame(frames->a, (const double(*)[3])leaves->box, image, &frames->shifted);
+    frames->a = &frames->shifted;
+  }
+}
+
+/* Finds the frames of two leaves in the state, and which of their particles are near. */
+static NearRows rowsInState(const StandIn* standIn, int a, int b, const int image[3], PairFrames* frames) {
   NearRows rows;
-  const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-  standIn->leaves->wide->nearRows(&standIn->model, frameA, ctStateFrame(standIn->leaves, b), &rows);
+  ctStandInFindFrames(standIn, a, b, image, false, frames);
+  standIn->leaves->wide->nearRows(&standIn->model, frames->a, frames->b, &rows);
   return rows;
 }
 
@@ -231,17 +245,17 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
   for (size_t i = 0; i < count; i++) {
     const int a = near[i].a;
     const int b = near[i].b;
-    const NearRows rows = rowsInState(standIn, a, b);
+    PairFrames frames;
+    const NearRows rows = rowsInState(standIn, a, b, near[i].image, &frames);
     if (!hasPairs(&rows) && !hasBorn(&rows)) {
       continue;
     }
-    const int pair = ctNeighborsReserve(&standIn->neighbors);
+    const int pair = ctNeighborsReserve(&standIn->neighbors, near[i].image);
     if (pair == CT_NULL || !ctNeighborsAdd(&standIn->neighbors, a, b, pair)) {
       return ctOutOfMemory;
     }
     PairRecord* record = &standIn->neighbors.records[pair];
-    const LeafFrame* frameA = ctStateFrame(standIn->leaves, a);
-    ctStandInComputeBorn(standIn, a, frameA, b, ctStateFrame(standIn->leaves, b), &rows, record);
+    ctStandInComputeBorn(standIn, a, frames.a, b, frames.b, &rows, record);
     addAll(stateLeaf(standIn, a)->born, bornOf(record, 0));
     addAll(stateLeaf(standIn, b)->born, bornOf(record, 1));
   }
@@ -251,7 +265,7 @@ static ctStatus findNeighbors(StandIn* standIn, size_t count, const ctLeafPair* 
 ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near) {
   const Wide* wide = standIn->leaves->wide;
   rejectTrial(standIn);
-  ctNeighborsClear(&standIn->neighbors);
+  ctNeighborsClear(&standIn->neighbors, standIn->leaves->isPeriodic);
   memset(standIn->leafSums, 0, (size_t)standIn->leaves->leafCount * sizeof *standIn->leafSums);
   if (findNeighbors(standIn, count, near) != ctSuccess) {
     return ctOutOfMemory;
@@ -267,9 +281,10 @@ ctStatus ctStandInRefresh(StandIn* standIn, size_t count, const ctLeafPair* near
       const int b = row->leaves[i];
       if (b >= a) {
         PairRecord* record = &standIn->neighbors.records[row->pairs[i]];
-        const PlacedLeaf placedA = ctStandInPlace(standIn, a, ctStateFrame(standIn->leaves, a));
-        const PlacedLeaf placedB = ctStandInPlace(standIn, b, ctStateFrame(standIn->leaves, b));
-        const NearRows rows = rowsInState(standIn, a, b);
+        PairFrames frames;
+        const NearRows rows = rowsInState(standIn, a, b, record->image, &frames);
+        const PlacedLeaf placedA = ctStandInPlace(standIn, a, frames.a);
+        const PlacedLeaf placedB = ctStandInPlace(standIn, b, frames.b);
         ctStandInComputePairs(standIn, &placedA, &placedB, &rows, record);
         addAll(stateLeaf(standIn, a)->gradient, gradientOf(record, 0));
         addAll(stateLeaf(standIn, b)->gradient, gradientOf(record, 1));

@@ -137,6 +137,16 @@ typedef struct PlacedLeaf {
   const StandInShift* shift;
 } PlacedLeaf;
 
+/* The frames of the leaves of a pair, the lower one in an image. */
+typedef struct PairFrames {
+  const LeafFrame* a;
+  const LeafFrame* b;
+  LeafFrame shifted; /* that of a, if it is an image */
+} PairFrames;
+
+/* Finds the frames in the state, or in the trial. */
+void ctStandInFindFrames(const StandIn* standIn, int a, int b, const int image[3], bool inTrial, PairFrames* frames);
+
 /* The Born sums that two leaves contribute to each other, given which particles of these are near; and their energy
  * with these radii. The record's other part stays. */
 void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA, int b, const LeafFrame* frameB,

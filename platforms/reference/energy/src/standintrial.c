@@ -41,6 +41,11 @@ static PairRecord* recordOf(const StandIn* standIn, const StagedPair* staged) {
   return &standIn->neighbors.records[staged->pair];
 }
 
+/* The frames of a pair in the trial, or in the state. */
+static void findFrames(const StandIn* standIn, const StagedPair* staged, bool inTrial, PairFrames* frames) {
+  ctStandInFindFrames(standIn, staged->a, staged->b, recordOf(standIn, staged)->image, inTrial, frames);
+}
+
 /* Replaces the contribution of a pair to the gradients of its leaves. */
 static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = recordOf(standIn, staged);
@@ -91,15 +96,16 @@ static ctStatus stage(StandIn* standIn, bool near) {
   for (int i = 0; i < count; i++) {
     const ctLeafPair* changed = &pairs[i];
     NearRows rows;
-    const LeafFrame* frameA = ctTrialFrame(leaves, changed->a);
-    leaves->wide->nearRows(&standIn->model, frameA, ctTrialFrame(leaves, changed->b), &rows);
+    PairFrames frames;
+    ctStandInFindFrames(standIn, changed->a, changed->b, changed->image, true, &frames);
+    leaves->wide->nearRows(&standIn->model, frames.a, frames.b, &rows);
     /* In the row of a leaf that moves: most pairs of a small move are in that. */
     const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
-    const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved);
+    const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved, changed->image);
     if (found == CT_NULL && !hasPairs(&rows) && !hasBorn(&rows)) {
       continue;
     }
-    const int pair = found != CT_NULL ? found : ctNeighborsReserve(&standIn->neighbors);
+    const int pair = found != CT_NULL ? found : ctNeighborsReserve(&standIn->neighbors, changed->image);
     if (pair == CT_NULL) {
       return ctOutOfMemory;
     }
@@ -128,8 +134,10 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   }
   for (int i = 0; i < standIn->stagedCount; i++) {
     StagedPair* staged = &standIn->staged[i];
-    const PlacedLeaf a = ctStandInPlace(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
-    const PlacedLeaf b = ctStandInPlace(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
+    PairFrames frames;
+    findFrames(standIn, staged, true, &frames);
+    const PlacedLeaf a = ctStandInPlace(standIn, staged->a, frames.a);
+    const PlacedLeaf b = ctStandInPlace(standIn, staged->b, frames.b);
     ctStandInComputePairs(standIn, &a, &b, &staged->rows, &staged->after);
     staged->isOpen = false;
     *change += staged->after.energy - recordOf(standIn, staged)->energy;
@@ -145,9 +153,9 @@ static void changeBornSums(StandIn* standIn) {
     StagedPair* staged = &standIn->staged[i];
     const PairRecord* before = recordOf(standIn, staged);
     PairRecord* after = &staged->after;
-    const LeafFrame* frameA = ctTrialFrame(standIn->leaves, staged->a);
-    const LeafFrame* frameB = ctTrialFrame(standIn->leaves, staged->b);
-    ctStandInComputeBorn(standIn, staged->a, frameA, staged->b, frameB, &staged->rows, after);
+    PairFrames frames;
+    findFrames(standIn, staged, true, &frames);
+    ctStandInComputeBorn(standIn, staged->a, frames.a, staged->b, frames.b, &staged->rows, after);
     const int leaves[2] = {staged->a, staged->b};
     for (int side = 0; side < 2 && (before->hasBorn || after->hasBorn); side++) {
       const float* from = bornOf(before, side);
@@ -184,11 +192,10 @@ static void changeRadii(StandIn* standIn) {
 /* Replaces in a record the energies of particles whose radii change by those with the radii of the trial, at positions
  * of the trial or of the state. */
 static void exchangeRadii(StandIn* standIn, const StagedPair* staged, bool inTrial, PairRecord* record) {
-  TrialLeaves* leaves = standIn->leaves;
-  const LeafFrame* frameA = inTrial ? ctTrialFrame(leaves, staged->a) : ctStateFrame(leaves, staged->a);
-  const LeafFrame* frameB = inTrial ? ctTrialFrame(leaves, staged->b) : ctStateFrame(leaves, staged->b);
-  const PlacedLeaf a = placeInTrial(standIn, staged->a, frameA);
-  const PlacedLeaf b = placeInTrial(standIn, staged->b, frameB);
+  PairFrames frames;
+  findFrames(standIn, staged, inTrial, &frames);
+  const PlacedLeaf a = placeInTrial(standIn, staged->a, frames.a);
+  const PlacedLeaf b = placeInTrial(standIn, staged->b, frames.b);
   ctStandInExchangePairs(standIn, &a, crossing(standIn, staged->a), &b, crossing(standIn, staged->b), record);
 }
 
@@ -209,8 +216,10 @@ static double changeMovedPairs(StandIn* standIn) {
       back = record.energy;
     }
     if (staged->isOpen) {
-      const PlacedLeaf a = placeInTrial(standIn, staged->a, ctTrialFrame(standIn->leaves, staged->a));
-      const PlacedLeaf b = placeInTrial(standIn, staged->b, ctTrialFrame(standIn->leaves, staged->b));
+      PairFrames frames;
+      findFrames(standIn, staged, true, &frames);
+      const PlacedLeaf a = placeInTrial(standIn, staged->a, frames.a);
+      const PlacedLeaf b = placeInTrial(standIn, staged->b, frames.b);
       ctStandInComputePairs(standIn, &a, &b, &staged->rows, after);
     } else if (isCrossed) {
       exchangeRadii(standIn, staged, true, after);
@@ -300,7 +309,7 @@ static bool acceptMovedPair(Neighbors* neighbors, const StagedPair* staged) {
   const PairRecord* after = &staged->after;
   if (!after->hasPairs && !after->hasBorn) {
     if (!staged->isNew) {
-      ctNeighborsRemove(neighbors, staged->a, staged->b);
+      ctNeighborsRemove(neighbors, staged->a, staged->b, staged->pair);
     }
     ctNeighborsRelease(neighbors, staged->pair);
     return true;

@@ -8,7 +8,6 @@
 #include "blockgap.h"
 #include "blockimages.h"
 #include "checks.h"
-#include "imageframe.h"
 
 /* ---- Life ---- */
 

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "blockgap.h"
+#include "blockimages.h"
 
 /* ---- Life ---- */
 
@@ -86,11 +87,16 @@ void ctWholeEnergyFree(WholeEnergy* whole) {
  * whose powers are too small for a normal float, with which processors take long. */
 #define ASIDE 1e3f
 
-/* False if there is no memory. */
+/* Places blocks, wrapped in a periodic box. False if there is no memory. */
 static bool makeFrames(WholeEnergy* whole) {
   const ctLeafPositions* leaves = ctGetLeaves(whole->tree);
+  double box[3][3];
   if (leaves == NULL) {
     return false;
+  }
+  whole->isPeriodic = ctGetBox(whole->tree, box);
+  if (whole->isPeriodic) {
+    whole->box = makePeriodicBox((const double(*)[3])box);
   }
   for (int block = 0; block < whole->blockCount; block++) {
     ctLeafPositions positions = {.x = {0}};
@@ -104,6 +110,9 @@ static bool makeFrames(WholeEnergy* whole) {
       positions.y[k] = leaf->y[slots[k] % CT_LEAF_WIDTH];
       positions.z[k] = leaf->z[slots[k] % CT_LEAF_WIDTH];
     }
+    if (whole->isPeriodic) {
+      ctWrapBlock(&whole->box, count, &positions);
+    }
     whole->wide->makeFrame(&positions, whole->nonbonded.columns[block].occupied, frame);
     for (int k = count; k < CT_LEAF_WIDTH; k++) {
       frame->x[k] = frame->y[k] = frame->z[k] = ASIDE;
@@ -112,12 +121,53 @@ static bool makeFrames(WholeEnergy* whole) {
   return true;
 }
 
+/* ---- Periodic images ---- */
+
+typedef void ImageFunction(WholeEnergy* whole, int a, const LeafFrame* image, int b, WholePair* total);
+
+/* Calls a function for each block with itself, with those after it, and with images within a cutoff. */
+static void forEachImage(WholeEnergy* whole, double cutoff, ImageFunction* function, WholePair* total) {
+  BlockImages near;
+  LeafFrame shifted;
+  for (int a = 0; a < whole->blockCount; a++) {
+    for (int b = a; b < whole->blockCount; b++) {
+      const LeafFrame* frame = &whole->frames[a];
+      ctFindBlockImages(&whole->box, frame, &whole->frames[b], cutoff, &near);
+      for (int i = 0; i < near.count; i++) {
+        const int* image = near.images[i];
+        if (a == b && !isFirstOfOpposite(image)) {
+          continue;
+        }
+        if (isShifted(image)) {
+          shiftFrame(frame, (const double(*)[3])whole->box.vectors, image, &shifted);
+        }
+        function(whole, a, isShifted(image) ? &shifted : frame, b, total);
+      }
+    }
+  }
+}
+
 /* ---- Born radii ---- */
+
+static void addImageSums(WholeEnergy* whole, int a, const LeafFrame* image, int b, WholePair* total) {
+  const BornModel* model = &whole->born.model;
+  (void)total;
+  if (image == &whole->frames[a]) {
+    whole->wide->bornSums(model, model->squaredCutoff, whole->frames, whole->born.columns, a, b, b + 1, whole->sums);
+  } else {
+    whole->wide->bornImageSums(model, model->squaredCutoff, image, whole->frames, whole->born.columns, a, b,
+                               whole->sums);
+  }
+}
 
 static void computeSums(WholeEnergy* whole) {
   const BornModel* model = &whole->born.model;
   for (int i = 0; i < whole->blockCount * CT_LEAF_WIDTH; i++) {
     whole->sums[i] = 0;
+  }
+  if (whole->isPeriodic) {
+    forEachImage(whole, sqrt(model->exactCutoff), addImageSums, NULL);
+    return;
   }
   for (int block = 0; block < whole->blockCount; block++) {
     whole->wide->bornSums(model, model->squaredCutoff, whole->frames, whole->born.columns, block, block,
@@ -190,18 +240,22 @@ static void addBlock(const WholeEnergy* whole, int a, WholePair* total) {
   }
 }
 
-/* Adds the pairs of blocks a <= b, with cutoffs or without. */
-static void addBlocks(const WholeEnergy* whole, int a, int b, WholePair* total) {
+/* Adds the pairs of blocks a <= b, the first in this frame, with cutoffs or without. */
+static void addBlocks(WholeEnergy* whole, int a, const LeafFrame* frameA, int b, WholePair* total) {
   const BornModel* model = &whole->born.model;
   const LeafFrame* frames = whole->frames;
   const WholeLeaves leaves = leavesOf(whole);
-  const double gap = squaredGap(&frames[a], &frames[b]);
+  const double gap = squaredGap(frameA, &frames[b]);
   if (gap < whole->nonbonded.potential.exact[0]) {
-    total->nonbonded += ctNonbondedEnergy(&whole->nonbonded, a, &frames[a], b, &frames[b]);
+    const FramedPair pair = {a, b, frameA != &frames[a], {frameA, &frames[b]}};
+    double energy;
+    ctNonbondedEnergies(&whole->nonbonded, 1, &pair, &energy);
+    total->nonbonded += energy;
   }
   if (gap < model->exactCutoff) {
-    const WholeSide sideA = wholeSide(&leaves, a, pairMaskOf(&whole->nonbonded.mask, a, b));
+    WholeSide sideA = wholeSide(&leaves, a, NULL);
     const WholeSide sideB = wholeSide(&leaves, b, NULL);
+    sideA.frame = frameA;
     total->born += whole->wide->bornPair(model, &sideA, &sideB);
   }
 }
@@ -214,13 +268,17 @@ ctStatus ctWholeEnergyCompute(WholeEnergy* whole, double* nonbonded, double* bor
   WholePair total = {.born = computeRadii(whole)};
   const BornModel* model = &whole->born.model;
   const bool isPlain = !whole->nonbonded.potential.hasCutoff && !model->hasCutoff && model->shift == 0;
-  for (int a = 0; a < whole->blockCount; a++) {
+  if (whole->isPeriodic) {
+    const double squaredCutoff = fmax(model->exactCutoff, whole->nonbonded.potential.exact[0]);
+    forEachImage(whole, sqrt(squaredCutoff), addBlocks, &total);
+  }
+  for (int a = 0; a < whole->blockCount && !whole->isPeriodic; a++) {
     if (isPlain) {
       addBlock(whole, a, &total);
       continue;
     }
     for (int b = a; b < whole->blockCount; b++) {
-      addBlocks(whole, a, b, &total);
+      addBlocks(whole, a, &whole->frames[a], b, &total);
     }
   }
   *nonbonded = total.nonbonded;

@@ -3,6 +3,7 @@
 #define CT_WHOLEENERGY_H_
 
 #include "nonbonded.h"
+#include "periodicbox.h"
 
 /* Some slots of leaves hold no particle, so particles are put into blocks of sixteen without gaps, in the order
  * of their slots. Wide functions call a block a leaf. */
@@ -18,6 +19,8 @@ typedef struct WholeEnergy {
   LeafFrame* frames;   /* per block */
   BornRadii* radii;    /* per block */
   double* sums;        /* Born sums, per place in a block */
+  bool isPeriodic;     /* when frames were made */
+  PeriodicBox box;
 } WholeEnergy;
 
 /* slotOf[particle] is its slot. On failure there is nothing to free and errorText (not NULL) says why. */

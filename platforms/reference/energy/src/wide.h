@@ -22,6 +22,10 @@
   F(void, bornSums, \
     (const BornModel* model, float squaredCutoff, const LeafFrame* frames, const BornColumns* columns, int leaf, \
      int first, int end, double* sums)) \
+  /* The same of one other leaf and a periodic image of the leaf, which stands in this frame. */ \
+  F(void, bornImageSums, \
+    (const BornModel* model, float squaredCutoff, const LeafFrame* image, const LeafFrame* frames, \
+     const BornColumns* columns, int leaf, int other, double* sums)) \
   /* wide/wholepairs.c, of whole energies: Lennard-Jones, Coulomb and Born without cutoffs of a leaf with those from */ \
   /* `first` to `end`, none of which comes before it; all have the same excluded pairs, NULL: none. And Born alone of */ \
   /* leaves a <= b, with the cutoff of the model, if there is one. */ \

@@ -388,6 +388,22 @@ static void checkEnergies(const ctEnergy* energy, const Energies* expected) {
   }
 }
 
+/* Molecules that have drifted by several boxes have the energies of their images. */
+static void checkDrift(const Model* m, ctChainTree* tree, ctEnergy* energy, const double (*box)[3]) {
+  static double positions[3 * PARTICLES];
+  double ofValues;
+  double size;
+  ctGetPositions(tree, positions);
+  for (int i = 0; i < 3 * PARTICLES; i++) {
+    const int chain = i / 3 / BEADS;
+    positions[i] += 2 * chain * box[0][i % 3] - 3 * chain * box[1][i % 3] + chain * box[2][i % 3];
+  }
+  CHECK_SUCCESS(ctSetPositions(tree, positions));
+  const double expected = computeValueEnergy(m, box, positions, &size);
+  CHECK(ctComputeValueEnergies(energy, false, &ofValues) == ctSuccess);
+  CHECK_NEAR(ofValues, expected, 1e-6 * size);
+}
+
 static void testBox(const double (*box)[3]) {
   static Model model;
   static double positions[3 * PARTICLES];
@@ -452,6 +468,7 @@ static void testBox(const double (*box)[3]) {
     }
     checkEnergies(energy, &before);
   }
+  checkDrift(&model, tree, energy, box);
   ctDestroyEnergy(energy);
   ctDestroy(tree);
 }

@@ -40,11 +40,23 @@ static inline long double oracleBornPart(const ctBorn* d, int i, int j, long dou
   return oracleSpheres(d, i, j, r) + oracleNeck(d, i, j, r);
 }
 
+/* The vectors of the periodic box in which distances are those of nearest images, or NULL. */
+static const double (*oracleBox)[3];
+
 static inline long double oracleDistance(const double* positions, int i, int j) {
+  long double apart[3];
   long double squared = 0;
   for (int k = 0; k < 3; k++) {
-    const long double x = (long double)positions[3 * i + k] - positions[3 * j + k];
-    squared += x * x;
+    apart[k] = (long double)positions[3 * i + k] - positions[3 * j + k];
+  }
+  for (int k = 2; k >= 0 && oracleBox != NULL; k--) {
+    const long double count = floorl(apart[k] / oracleBox[k][k] + 0.5L);
+    for (int d = 0; d <= k; d++) {
+      apart[d] -= count * oracleBox[k][d];
+    }
+  }
+  for (int k = 0; k < 3; k++) {
+    squared += apart[k] * apart[k];
   }
   return sqrtl(squared);
 }

@@ -244,3 +244,16 @@ void CT_WIDE(bornSums)(const BornModel* model, float squaredCutoff, const LeafFr
   }
   sumLeaves(model, squaredCutoff, frames, columns, leaf, first, end, sums);
 }
+
+void CT_WIDE(bornImageSums)(const BornModel* model, float squaredCutoff, const LeafFrame* image,
+                            const LeafFrame* frames, const BornColumns* columns, int leaf, int other, double* sums) {
+  const BornSide a = {image, &columns[leaf], columns[leaf].occupied, leaf};
+  const BornSide b = {&frames[other], &columns[other], columns[other].occupied, other};
+  float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH] = {{0}};
+  float shift[3];
+  shiftBetween(a.frame, b.frame, shift);
+  const BornSides sides = {&a, &b, add16(load16(b.frame->x), all16(shift[0])),
+                           add16(load16(b.frame->y), all16(shift[1])), add16(load16(b.frame->z), all16(shift[2]))};
+  addToSums(sums + CT_LEAF_WIDTH * other, mixedRows(model, squaredCutoff, &sides, shift, forRows));
+  addToSums(sums + CT_LEAF_WIDTH * leaf, sums16x16((const float(*)[CT_LEAF_WIDTH])forRows));
+}

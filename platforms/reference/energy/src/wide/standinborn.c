@@ -179,7 +179,7 @@ void CT_WIDE(standInBorn)(const BornModel* model, const StandInModel* standIn, c
   const BornSides sides = {ones, all, add16(load16(all->frame->x), all16(shift[0])),
                            add16(load16(all->frame->y), all16(shift[1])),
                            add16(load16(all->frame->z), all16(shift[2]))};
-  if (a->leaf == b->leaf) {
+  if (a->frame == b->frame) { /* and not an image */
     store16(ofA, toSteps(standInBornCase(model, standIn, &sides, rows, overlaps, forRows, true)));
     store16(ofB, all16(0));
     return;
