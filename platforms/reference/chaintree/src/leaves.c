@@ -105,16 +105,21 @@ bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree) {
   return leaves->state != NULL && !stateChangedSince(&tree->changes, leaves->builtFrom);
 }
 
-void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, int pieceCount, const Piece* pieces,
-                    double distanceError) {
-  leaves->positionError += distanceError;
+void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, const Trial* trial) {
+  const Tree* tree = world->tree;
+  if (trial->distanceError > 0) {
+    leaves->positionError += trial->distanceError;
+  } else {
+    const double reach = cornerOf(leafBoxes(leaves, tree, treeSuperRoot(tree)));
+    leaves->positionError = larger(leaves->positionError, ctTrialRounding(trial, reach, tree->levelCount));
+  }
   if (leaves->positionError > MOST_ERROR) {
     ctLeavesForget(leaves);
     return;
   }
-  const LeafUpdate update = {leaves, world, sequence, 0, pieceCount, pieces};
-  world->tree->wide->updateLeaves(&update);
-  leaves->builtFrom = world->tree->changes.now;
+  const LeafUpdate update = {leaves, world, sequence, 0, trial->pieceCount, trial->pieces};
+  tree->wide->updateLeaves(&update);
+  leaves->builtFrom = tree->changes.now;
 }
 
 /* ---- Public calls ---- */

@@ -4,8 +4,8 @@
  * larger than the particles need. A node's boxes are those of its members, so that one box is compared with sixteen
  * others at a time; one more node, the super-root, has the root as its only member.
  *
- * What lies behind a closed window moves by rounding alone. Its positions are not updated: `positionError` bounds their
- * error. */
+ * What lies behind a closed window, and other molecules, move by rounding alone. Their positions are not updated:
+ * `positionError` bounds their error. */
 #ifndef CT_LEAVES_H_
 #define CT_LEAVES_H_
 
@@ -98,10 +98,9 @@ void ctLeavesForget(Leaves* leaves);
 /* True if positions and boxes are those of the state. */
 bool ctLeavesAreOf(const Leaves* leaves, const Tree* tree);
 
-/* Updates positions and boxes of the former state to the accepted trial: recomputes leaves with slots that are not
- * static in these pieces. Other distances have changed by at most `distanceError`. */
-void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, int pieceCount, const Piece* pieces,
-                    double distanceError);
+/* Updates positions and boxes of the former state to the accepted trial: recomputes leaves with slots that it moves.
+ * Other distances have changed by at most its distanceError; if that is 0, by rounding, and there must be boxes. */
+void ctLeavesFollow(Leaves* leaves, World* world, const Sequence* sequence, const Trial* trial);
 
 /* Updates leaves, and writes a task for the state or the open trial. Fails if there is no memory. */
 ctStatus ctLeavesBegin(ctChainTree* scene, bool inTrial, double cutoff, LeafTask* task);
@@ -116,6 +115,15 @@ static inline int treeSuperRoot(const Tree* tree) {
 
 static inline AxisBoxes* leafBoxes(const Leaves* leaves, const Tree* tree, int node) {
   return &leaves->boxes[node - tree->levelBegin[1]];
+}
+
+/* The largest distance from worldOrigin of a corner of member 0. */
+static inline double cornerOf(const AxisBoxes* boxes) {
+  double corner[3];
+  for (int d = 0; d < 3; d++) {
+    corner[d] = larger(fabs((double)boxes->low[d][0]), fabs((double)boxes->high[d][0]));
+  }
+  return sqrt(dot(corner, corner));
 }
 
 static inline TrialMembers* trialMembers(const Leaves* leaves, const Tree* tree, int node) {

@@ -80,6 +80,10 @@ static double largestTranslation(const Trial* trial) {
   return farthest;
 }
 
+double ctTrialRounding(const Trial* trial, double reach, int levelCount) {
+  return 2 * productMargin(levelCount) * (reach + largestTranslation(trial));
+}
+
 void ctMergeBodies(Trial* trial, double reach, int levelCount) {
   int* bodyOf = trial->bodyOf;
   double displacement = 0;
@@ -93,7 +97,7 @@ void ctMergeBodies(Trial* trial, double reach, int levelCount) {
   }
   /* Either particle of a pair may be displaced. The canonical distances before and after the trial differ from those by
    * its motions by a margin each. */
-  const double distanceError = 2 * displacement + 2 * productMargin(levelCount) * (reach + largestTranslation(trial));
+  const double distanceError = 2 * displacement + ctTrialRounding(trial, reach, levelCount);
   if (!areMerged || !(distanceError <= MERGE_TOLERANCE)) {
     return;
   }

@@ -27,6 +27,9 @@ typedef struct Merged {
 /* True if some body may move as another does, up to rounding. A trial of one change always moves something. */
 bool ctMayMerge(const Trial* trial);
 
+/* Most difference, nm, of a distance that is computed by different products of transforms before and after a trial. */
+double ctTrialRounding(const Trial* trial, double reach, int levelCount);
+
 /* Merges bodies that move as another does, up to rounding: what lies behind a closed window counts as static. `reach`:
  * in the state no particle with a slot is farther from worldOrigin. */
 void ctMergeBodies(Trial* trial, double reach, int levelCount);

@@ -434,6 +434,14 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
 
 /* ---- Accept and reject ---- */
 
+/* True if positions of leaves need an update only where this trial moves something: the rest is another molecule, or
+ * lies behind a closed window, and moves by rounding alone. */
+static bool movesFewLeaves(ctChainTree* tree, const Trial* trial) {
+  const bool endsStatic = trial->pieceCount > 1 && trial->pieces[trial->pieceCount - 1].body == 0;
+  const bool otherMoleculesStay = endsStatic && tree->sequence.branchCount > 1 && tree->leaves.boxes != NULL;
+  return (trial->distanceError > 0 || otherMoleculesStay) && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+}
+
 ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
   CT_REQUIRE(tree, tree);
   if (!tree->trial->open) {
@@ -441,12 +449,11 @@ ctStatus ctAccept(ctChainTree* tree, ctCounts* counts) {
   }
   ctTestersAccept(tree);
   const Trial* trial = tree->trial;
-  const bool leavesFollow = trial->distanceError > 0 && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
+  const bool leavesFollow = movesFewLeaves(tree, trial);
   ctMergedAccept(tree);
   const int updated = applyTrial(tree, true);
   if (leavesFollow) {
-    ctLeavesFollow(&tree->leaves, ctSceneWorld(tree), &tree->sequence, trial->pieceCount, trial->pieces,
-                   trial->distanceError);
+    ctLeavesFollow(&tree->leaves, ctSceneWorld(tree), &tree->sequence, trial);
   }
   tree->trial->open = false;
   tree->changeCount++;

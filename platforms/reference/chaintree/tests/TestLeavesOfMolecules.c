@@ -79,7 +79,30 @@ static void testScene(int wall) {
   ctDestroy(tree);
 }
 
+/* Accepted trials place only leaves that they move: positions and boxes of the others hold, up to rounding. */
+static void testPositionsFollow(void) {
+  Scene scene;
+  ctChainTree* tree = makeScene(&scene, 0);
+  size_t count;
+  const ctLeafPair* pairs;
+  const ctLeafPositions* positions;
+  for (int trial = 0; trial < 400; trial++) {
+    ctChange change = {.link = trial * 37 % scene.linkCount};
+    for (int d = 0; d < 3; d++) {
+      change.rotation[d] = 0.5 * sin(7 * trial + d);
+    }
+    CHECK(ctPropose(tree, 1, &change) == ctSuccess);
+    CHECK(ctGetChangedLeafPairs(tree, 1, &count, &pairs, &positions, NULL) == ctSuccess);
+    if (trial % 3 > 0) {
+      CHECK(ctAccept(tree, NULL) == ctSuccess);
+      CHECK(ctValidate(tree));
+    }
+  }
+  ctDestroy(tree);
+}
+
 int main(void) {
+  testPositionsFollow();
   testScene(0);
   testScene(1);
   testScene(37);

@@ -454,15 +454,6 @@ static bool addSlots(void* search, int leaf, int first, unsigned near) {
   return true;
 }
 
-/* The largest distance from worldOrigin of a corner of member 0. */
-static double cornerOf(const AxisBoxes* boxes) {
-  double corner[3];
-  for (int d = 0; d < 3; d++) {
-    corner[d] = larger(fabs((double)boxes->low[d][0]), fabs((double)boxes->high[d][0]));
-  }
-  return sqrt(dot(corner, corner));
-}
-
 /* The largest squared distance, or gap of boxes, of particles within the cutoff. Positions in the trial and after its
  * acceptance differ by DOUBLE_MARGIN of the coordinate bound, and by Leaves.positionError; 1e-6 is 17 u of the square,
  * whose roundings are 5 u. `margin` has room for other roundings. */
