@@ -28,14 +28,14 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
 
 /* Sets the box. Writes what is wrong with it, if anything, and returns false. */
 static bool takeBox(ctChainTree* scene, const double (*vectors)[3], char* text, size_t size) {
-  PeriodicBox box = {.isPeriodic = vectors != NULL};
+  PeriodicBox box = {.isPeriodic = false};
   if (vectors != NULL) {
     const char* fault = ctFindBoxFault(vectors);
     if (fault != NULL) {
       snprintf(text, size, "the vectors of the periodic box %s", fault);
       return false;
     }
-    memcpy(box.vectors, vectors, sizeof box.vectors);
+    box = ctPeriodicBox(vectors);
     const double reach = 2 * ctLargestRadius(&scene->sequence) - scene->overlapTolerance;
     if (2 * reach > ctBoxWidth(&box)) {
       snprintf(text, size,

@@ -35,7 +35,7 @@ static bool addImages(ctChainTree* tree, double cutoff, ctCounts* counts) {
   for (int moved = 0; moved < 2 && !collection.failed; moved++) {
     View view = ctTrialView(tree->trial, cutoff); /* more than enough: from surface to surface */
     view.motions = moved == 1 ? view.motions : NULL;
-    ctTraverseImages(traversal, &view, &tree->sequence.box, collect, &collection, counts);
+    ctTraverseImages(traversal, &view, &tree->sequence.box, false, collect, &collection, counts);
   }
   for (int i = 0; i < pairs->count; i++) {
     const SlotPair pair = pairs->pairs[i];

@@ -1,5 +1,7 @@
 #include "images.h"
 
+#include <string.h>
+
 #include "chaintree.h"
 #include "transform.h"
 
@@ -81,6 +83,22 @@ Image ctNearestImage(const PeriodicBox* box, const double apart[3]) {
   }
   ctImageShift(box, image.n, image.shift);
   return image;
+}
+
+PeriodicBox ctPeriodicBox(const double (*v)[3]) {
+  PeriodicBox box = {.isPeriodic = true};
+  memcpy(box.vectors, v, sizeof box.vectors);
+  const double shear = v[2][1] / v[1][1]; /* of the second vector, in one of the third */
+  box.inverse[0][0] = 1 / v[0][0];
+  box.inverse[0][1] = -v[1][0] / (v[0][0] * v[1][1]);
+  box.inverse[0][2] = (shear * v[1][0] - v[2][0]) / (v[0][0] * v[2][2]);
+  box.inverse[1][1] = 1 / v[1][1];
+  box.inverse[1][2] = -shear / v[2][2];
+  box.inverse[2][2] = 1 / v[2][2];
+  for (int k = 0; k < 3; k++) {
+    box.across[k] = sqrt(dot(box.inverse[k], box.inverse[k]));
+  }
+  return box;
 }
 
 double ctBoxWidth(const PeriodicBox* box) {

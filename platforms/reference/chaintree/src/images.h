@@ -1,7 +1,7 @@
 /* Periodic images. In a periodic scene every pair counts in all images: particle A, shifted by any sum of box vectors,
- * against particle B. A search first looks at the scene as it is, without shift. Then it looks, for each shift by which
- * the scene may meet itself, for pairs of the shifted scene with the scene. A shift is fixed where a search begins and
- * holds down to the particles. So each pair and shift is met once, however wide links and leaves are. */
+ * against particle B. A search first looks at the scene as it is, without shift. Then it looks for pairs of the scene
+ * with its images. It descends into nodes that may meet in any image with a shift, all images at a time. Particles are
+ * compared in the nearest image of the pair: no other is within half of the box's width, which no reach exceeds. */
 #ifndef CT_IMAGES_H_
 #define CT_IMAGES_H_
 
@@ -16,13 +16,12 @@ typedef struct Image {
 /* So that numbers of vectors, and differences of these, are an int. */
 #define MOST_VECTORS 0x1p29
 
-/* Above this many images of a group near a node, smaller ones are looked at first. */
-enum { MOST_IMAGES = 32 };
-
 /* The box. Its vectors are the rows; as in OpenMM, the first is along x, and the second has no z. */
 typedef struct PeriodicBox {
   bool isPeriodic;
   double vectors[3][3];
+  double inverse[3][3]; /* rows: how many of each vector a position is */
+  double across[3];     /* how many of each vector a nm is, along the normal of the other two */
 } PeriodicBox;
 
 /* The images of box A, along the world's axes, that are within reach of box B; begins before the first. */
@@ -68,6 +67,9 @@ bool ctNextImage(ImageRange* range);
 /* The image of a point that is nearest to another, `apart` being the first less the second: exact where they are less
  * than half the box's width from each other. */
 Image ctNearestImage(const PeriodicBox* box, const double apart[3]);
+
+/* The box of these vectors. */
+PeriodicBox ctPeriodicBox(const double (*vectors)[3]);
 
 /* The least distance between opposite faces. A particle meets at most one image of another within half of that. */
 double ctBoxWidth(const PeriodicBox* box);

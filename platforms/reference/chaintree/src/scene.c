@@ -91,7 +91,7 @@ void ctSceneSearchImages(ctChainTree* scene, double reach, CandidateFunction* fu
   if (scene->sequence.box.isPeriodic) {
     const View view = ctViewOfState(reach);
     ctSceneTree(scene);
-    ctTraverseImages(&scene->traversal, &view, &scene->sequence.box, function, context, counts);
+    ctTraverseImages(&scene->traversal, &view, &scene->sequence.box, false, function, context, counts);
   }
 }
 

@@ -36,9 +36,9 @@ static const JointState REFERENCE_JOINT = {0, {{1, 0, 0, 0}, {0, 0, 0}}, {0, 0, 
 
 /* ---- Wrapped molecules ---- */
 
-/* A molecule is wrapped if its root is farther from worldOrigin, in box vectors. More than a half, so that one at a
- * face of the box is not wrapped again and again. */
-#define MOST_VECTORS_AWAY 0.75
+/* A molecule that moves is wrapped if its root is farther from worldOrigin, in box vectors. More than a half, so that
+ * one at a face of the box is not wrapped again and again. */
+#define MOST_VECTORS_AWAY 0.6
 
 void ctSequenceShift(const Sequence* s, int branch, double shift[3]) {
   shift[0] = shift[1] = shift[2] = 0;
@@ -61,14 +61,15 @@ void ctSequenceLinkShift(const Sequence* s, int link, double shift[3]) {
   ctSequenceShift(s, s->box.isPeriodic ? sequenceBranch(s, link) : CT_NULL, shift);
 }
 
-void ctJointWrap(const Sequence* s, JointState* joint, double shift[3]) {
+/* Wraps a root that is farther away, in box vectors. */
+static void wrapBeyond(const Sequence* s, double mostAway, JointState* joint, double shift[3]) {
   double* position = joint->placement.position;
   double left[3] = {position[0], position[1], position[2]};
   bool isFar = false;
   shift[0] = shift[1] = shift[2] = 0;
   for (int k = 2; k >= 0; k--) {
     const double count = left[k] / s->box.vectors[k][k];
-    isFar = isFar || fabs(count) > MOST_VECTORS_AWAY;
+    isFar = isFar || fabs(count) > mostAway;
     for (int d = 0; d < k; d++) {
       left[d] -= count * s->box.vectors[k][d];
     }
@@ -81,6 +82,10 @@ void ctJointWrap(const Sequence* s, JointState* joint, double shift[3]) {
       joint->wrap[d] += image.n[d];
     }
   }
+}
+
+void ctJointWrap(const Sequence* s, JointState* joint, double shift[3]) {
+  wrapBeyond(s, MOST_VECTORS_AWAY, joint, shift);
 }
 
 /* The placement of a link in the reference positions, as it is wrapped. */
@@ -139,7 +144,7 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
         JointState joint = REFERENCE_JOINT;
         double shift[3];
         sequenceOffset(s, link, joint.placement.position);
-        ctJointWrap(s, &joint, shift);
+        wrapBeyond(s, 0.5, &joint, shift);
         memcpy(s->wrap[sequenceBranch(s, link)], joint.wrap, sizeof joint.wrap);
       }
       restPosition(s, link, placement->position);

@@ -184,17 +184,17 @@ static Outcome testByDescent(TrialTest* test) {
   return endSearch(test, ctTraverse(&tree->traversal, test->view, testPair, test, test->counts));
 }
 
-/* Tests pairs of the view with its periodic images. */
-static Outcome testImages(TrialTest* test) {
+/* Tests pairs of the view with its periodic images. `isPlaced`: as in ctTraverseImages. */
+static Outcome testImages(TrialTest* test, bool isPlaced) {
   ctChainTree* tree = test->tree;
   Traversal* traversal = &tree->traversal;
+  const PeriodicBox* box = &tree->sequence.box;
   int few[2];
   if (!tree->isTesterOff[FEW_MOVERS] && ctViewMovesFew(traversal, test->view, &few[0], &few[1])) {
-    ctTraverseFewImages(traversal, test->view, &tree->sequence.box, few[0], few[1], testPair, surelyClash, test,
-                        test->counts);
+    ctTraverseFewImages(traversal, test->view, box, few[0], few[1], testPair, test, test->counts);
   } else {
     const Tree* own = ctSceneTree(tree);
-    const int64_t cost = ctTraverseImages(traversal, test->view, &tree->sequence.box, testPair, test, test->counts);
+    const int64_t cost = ctTraverseImages(traversal, test->view, box, isPlaced, testPair, test, test->counts);
     if (test->clash) {
       ctRecentClashesAdd(&tree->recentClashes, own, test->slotA, test->slotB, &test->image, cost);
     }
@@ -220,17 +220,20 @@ static const Tester testers[TESTER_COUNT] = {
 Outcome ctTestView(ctChainTree* tree, const View* view, int slots[2], ctCounts* counts) {
   TrialTest test = {.tree = tree, .view = view, .counts = counts};
   Outcome outcome = undecided;
+  int last = DESCENT;
   for (int i = 0; i < TESTER_COUNT && outcome == undecided; i++) {
     tree->ties.count = 0;
     if (!tree->isTesterOff[i]) {
       outcome = testers[i].test(&test);
+      last = i;
     }
   }
   if (outcome == undecided) {
     outcome = testByDescent(&test);
+    last = DESCENT;
   }
   if (outcome == isFree && tree->sequence.box.isPeriodic) {
-    outcome = testImages(&test);
+    outcome = testImages(&test, last == DESCENT);
   }
   if (outcome == isFree && tree->ties.count > 0) {
     testTies(&test);

@@ -122,16 +122,14 @@ void ctTraverseFew(Traversal* t, const View* view, int begin, int end, Candidate
   t->tree->wide->traverseFew(t, view, begin, end, function, clashes, context, counts);
 }
 
-int64_t ctTraverseImages(Traversal* t, const View* view, const PeriodicBox* box, CandidateFunction* function,
-                         void* context, ctCounts* counts) {
-  const int64_t cost = t->tree->wide->traverseImages(t, view, box, function, context, counts);
-  t->image = NULL;
-  return cost;
+int64_t ctTraverseImages(Traversal* t, const View* view, const PeriodicBox* box, bool isPlaced,
+                         CandidateFunction* function, void* context, ctCounts* counts) {
+  return t->tree->wide->traverseImages(t, view, box, isPlaced, function, context, counts);
 }
 
 void ctTraverseFewImages(Traversal* t, const View* view, const PeriodicBox* box, int begin, int end,
-                         CandidateFunction* function, SureClashFunction* clashes, void* context, ctCounts* counts) {
-  t->tree->wide->traverseFewImages(t, view, box, begin, end, function, clashes, context, counts);
+                         CandidateFunction* function, void* context, ctCounts* counts) {
+  t->tree->wide->traverseFewImages(t, view, box, begin, end, function, context, counts);
 }
 
 void ctTraverseProbe(Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function,

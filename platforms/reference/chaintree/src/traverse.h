@@ -126,14 +126,15 @@ int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* fu
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts);
 
-/* The same for pairs of an image of the view with the view, but calls `function` for all pairs whose distance the view
- * changes: within a body that turns, too. Each pair comes with one of two opposite images: `image` in the traversal. */
-int64_t ctTraverseImages(Traversal* traversal, const View* view, const PeriodicBox* box, CandidateFunction* function,
-                         void* context, ctCounts* counts);
+/* The same for pairs of the view with its images, but calls `function` for all pairs whose distance the view changes:
+ * within a body that turns, too. Each pair comes in its nearest image: `image` in the traversal. `isPlaced`: the last
+ * call was ctTraverse of this view, and went to its end. */
+int64_t ctTraverseImages(Traversal* traversal, const View* view, const PeriodicBox* box, bool isPlaced,
+                         CandidateFunction* function, void* context, ctCounts* counts);
 
 /* The same for a view in which only slots [begin, end) move. Bounds may be loose. */
 void ctTraverseFewImages(Traversal* traversal, const View* view, const PeriodicBox* box, int begin, int end,
-                         CandidateFunction* function, SureClashFunction* clashes, void* context, ctCounts* counts);
+                         CandidateFunction* function, void* context, ctCounts* counts);
 
 /* The same for a sphere at a point of the world (from worldOrigin), against everything in the view of the state:
  * `function` receives CT_NULL and a slot. */

@@ -30,10 +30,10 @@
      void* context, ctCounts* counts)) \
   F(void, traverseFewImages, \
     (Traversal* t, const View* view, const PeriodicBox* box, int begin, int end, CandidateFunction* function, \
-     SureClashFunction* clashes, void* context, ctCounts* counts)) \
+     void* context, ctCounts* counts)) \
   F(int64_t, traverseImages, \
-    (Traversal* t, const View* view, const PeriodicBox* box, CandidateFunction* function, void* context, \
-     ctCounts* counts)) \
+    (Traversal* t, const View* view, const PeriodicBox* box, bool isPlaced, CandidateFunction* function, \
+     void* context, ctCounts* counts)) \
   F(void, traverseProbe, \
     (Traversal* t, const View* view, const double point[3], double radius, CandidateFunction* function, void* context, \
      ctCounts* counts)) \

@@ -1,20 +1,19 @@
 /* Pairs of leaves with periodic images. What moves is a few groups of members, as in images.c; in the state everything
- * counts as moving. An image of each group that is near is searched for from the root down, until both are of one
- * level; then both descend. Of two opposite images, both are searched for pairs of what moves with what does not, and
- * the first alone for pairs of which both move. */
+ * counts as moving. Each group is compared with the scene from the root down, until both are of one level; then both
+ * descend. Two leaves may be near in many images, of which each makes a pair. */
 #include "leafimages.h"
 
 #include <stdlib.h>
 
 #include "axisboxes.h"
 #include "boxdescent.h"
+#include "nearimages.h"
 
-/* A search for pairs of an image with the scene. */
+/* A search for pairs of leaves with images. */
 typedef struct LeafImages {
   LeafTask* task;
-  bool isFirst; /* of two opposite images */
-  int n[3];
-  float shift[3];
+  Lattice lattice;
+  float reach;  /* of boxes, with room for rounding */
   float margin; /* of boxes that are shifted */
 } LeafImages;
 
@@ -42,109 +41,242 @@ static unsigned movingLeaves(const LeafTask* task, int node) {
   return task->pieceCount == 0 ? occupied : occupied & ~membersOfBody(task, node, 0);
 }
 
-/* Members that do not move, or hold leaves that do not. */
-static unsigned holdingStatic(const LeafTask* task, int level, int node) {
-  if (task->pieceCount == 0) {
-    return 0;
-  }
-  return membersOfBody(task, node, 0) | (level > 1 ? membersOfBody(task, node, MANY_BODIES) : 0);
-}
-
-/* Members of node b whose pairs with an image of member k of node a are searched: unless both are of one body that does
- * not turn, and so keeps its distances to its own images. */
-static unsigned searchedLeaves(const LeafImages* search, int level, int a, int k, int b) {
-  const LeafTask* task = search->task;
-  if (!search->isFirst) {
-    return holdingStatic(task, level, b);
-  }
+/* Members of node b that are compared with member k of node a, which moves. Where both move, the earlier one is
+ * compared with the later one, unless they are of one body that does not turn, and so keeps its distances to its own
+ * images. */
+static unsigned comparedLeaves(const LeafTask* task, int level, int a, int k, int b) {
   const unsigned occupied = task->leaves->occupied[b];
   if (task->pieceCount == 0) {
-    return occupied;
+    return occupied & membersNotBefore(a, k, b);
   }
+  const unsigned movesInPart = level > 1 ? membersOfBody(task, b, MANY_BODIES) : 0;
+  unsigned skipped = movingLeaves(task, b) & ~movesInPart & ~membersNotBefore(a, k, b);
   const int body = trialMembers(task->leaves, task->tree, a)->body[k];
-  return body != MANY_BODIES && isTranslation(&task->motions[body]) ? occupied & ~membersOfBody(task, b, body)
-                                                                    : occupied;
-}
-
-/* ---- Gaps ---- */
-
-/* Squared gaps between member k of some boxes, shifted in this direction, and sixteen others. */
-CT_INLINE Float16 shiftedGaps(const LeafImages* search, float sign, const AxisBoxes* row, int k,
-                              const AxisBoxes* others) {
-  Float16 gap[3];
-  for (int d = 0; d < 3; d++) {
-    const float low = row->low[d][k] + sign * search->shift[d] - search->margin;
-    const float high = row->high[d][k] + sign * search->shift[d] + search->margin;
-    const Float16 below = sub16(load16(others->low[d]), all16(high));
-    const Float16 above = sub16(all16(low), load16(others->high[d]));
-    gap[d] = max16(max16(below, above), all16(0));
+  if (body != MANY_BODIES && isTranslation(&task->motions[body])) {
+    skipped |= membersOfBody(task, b, body);
   }
-  return squared16(gap[0], gap[1], gap[2]);
+  return occupied & ~skipped;
 }
 
-/* The members (bits) of `others` that are near, before the trial or in it. Writes the least squared gaps. */
-CT_INLINE unsigned nearShifted(const LeafImages* search, float sign, BothBoxes row, int k, BothBoxes others,
-                               float gaps[TREE_WIDTH]) {
-  Float16 least = shiftedGaps(search, sign, row.before, k, others.before);
+/* ---- Boxes that meet ---- */
+
+/* How far sixteen boxes are from member k of some boxes, in box vectors, and within which distances they meet. */
+typedef struct Apart {
+  Float16 vectors[3];
+  Float16 reaches[3];
+} Apart;
+
+CT_INLINE Apart boxesApartInVectors(const LeafImages* search, const AxisBoxes* row, int k, const AxisBoxes* others) {
+  const Lattice* lattice = &search->lattice;
+  Float16 apart[3];
+  Float16 half[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 low = sub16(load16(others->low[d]), all16(row->high[d][k]));
+    const Float16 high = sub16(load16(others->high[d]), all16(row->low[d][k]));
+    apart[d] = mul16(add16(low, high), all16(0.5f));
+    half[d] = mul16(sub16(high, low), all16(0.5f));
+  }
+  Apart boxes;
+  vectorsApart(lattice, apart, boxes.vectors);
+  for (int i = 0; i < 3; i++) {
+    boxes.reaches[i] = all16(search->reach * lattice->across[i]);
+    for (int d = i; d < 3; d++) {
+      boxes.reaches[i] = add16(boxes.reaches[i], mul16(half[d], all16(fabsf(lattice->inverse[i][d]))));
+    }
+  }
+  return boxes;
+}
+
+/* The members (bits) of `others` that meet member k of some boxes in an image with a shift. */
+CT_INLINE unsigned meetBoxes(const LeafImages* search, const AxisBoxes* row, int k, const AxisBoxes* others) {
+  const Apart apart = boxesApartInVectors(search, row, k, others);
+  return meetImages16(apart.vectors, apart.reaches);
+}
+
+/* The same before the trial or in it. */
+CT_INLINE unsigned meetBoth(const LeafImages* search, BothBoxes row, int k, BothBoxes others) {
+  unsigned near = meetBoxes(search, row.before, k, others.before);
   if (row.after != row.before || others.after != others.before) {
-    least = min16(least, shiftedGaps(search, sign, row.after, k, others.after));
+    near |= meetBoxes(search, row.after, k, others.after);
   }
   search->task->tests += TREE_WIDTH;
-  store16(gaps, least);
-  return ~greater16(least, all16(search->task->limit)) & 0xffff;
+  return near;
 }
 
 /* ---- Pairs ---- */
 
-/* Adds the pairs of a shifted leaf with leaves first + l for each bit l. */
-static bool addImages(const LeafImages* search, int leaf, int first, unsigned near, const float gaps[TREE_WIDTH]) {
-  LeafPairs* pairs = search->task->pairs;
-  if (!ctLeafPairsReserve(pairs, pairs->count + TREE_WIDTH)) {
-    search->task->failed = true;
+/* The image of a leaf in which each of sixteen others is nearest. */
+typedef struct NearestImages {
+  float n[3][TREE_WIDTH];
+  float gaps[TREE_WIDTH]; /* squared */
+  unsigned near;          /* members that meet the leaf in an image with a shift */
+  unsigned many;          /* of these, members that may meet it in several images */
+} NearestImages;
+
+/* Squared gaps between box k of some, shifted, and sixteen others. */
+CT_INLINE Float16 gapsOfShifted(const AxisBoxes* row, int k, const AxisBoxes* others, const Float16 shift[3],
+                                float margin) {
+  Float16 gap[3];
+  for (int d = 0; d < 3; d++) {
+    const Float16 high = add16(all16(row->high[d][k] + margin), shift[d]);
+    const Float16 low = add16(all16(row->low[d][k] - margin), shift[d]);
+    gap[d] = max16(max16(sub16(load16(others->low[d]), high), sub16(low, load16(others->high[d]))), all16(0));
+  }
+  return squared16(gap[0], gap[1], gap[2]);
+}
+
+/* Adds what is so before the trial, or in it. */
+CT_INLINE void addNearest(const LeafImages* search, const AxisBoxes* row, int k, const AxisBoxes* others, bool isFirst,
+                          NearestImages* nearest) {
+  const Apart apart = boxesApartInVectors(search, row, k, others);
+  Float16 shift[3] = {all16(0), all16(0), all16(0)};
+  for (int i = 0; i < 3; i++) {
+    const Float16 whole = nearestWhole16(apart.vectors[i]);
+    const Float16 off = absolute16(sub16(apart.vectors[i], whole));
+    nearest->many |= ~greater16(sub16(all16(1), off), apart.reaches[i]);
+    nearest->many |= isFirst ? 0 : greater16(absolute16(sub16(whole, load16(nearest->n[i]))), all16(0.5f));
+    store16(nearest->n[i], whole);
+    for (int d = 0; d <= i; d++) {
+      shift[d] = add16(shift[d], mul16(whole, all16((float)search->task->sequence->box.vectors[i][d])));
+    }
+  }
+  const Float16 gaps = gapsOfShifted(row, k, others, shift, search->margin);
+  store16(nearest->gaps, isFirst ? gaps : min16(gaps, load16(nearest->gaps)));
+  nearest->near |= meetImages16(apart.vectors, apart.reaches);
+}
+
+/* Adds a pair of a shifted leaf and another. */
+static bool addImage(const LeafImages* search, int leaf, int other, const int n[3], float squaredGap) {
+  LeafTask* task = search->task;
+  LeafPairs* pairs = task->pairs;
+  if (!ctLeafPairsReserve(pairs, pairs->count + 1)) {
+    task->failed = true;
     return false;
   }
-  for (; near != 0; near &= near - 1) {
-    const int l = __builtin_ctz(near);
-    const bool isLower = leaf <= first + l;
-    ctLeafPair* pair = &pairs->pairs[pairs->count++];
-    pair->a = isLower ? leaf : first + l;
-    pair->b = isLower ? first + l : leaf;
-    pair->squaredGap = gaps[l];
-    for (int d = 0; d < 3; d++) {
-      pair->image[d] = isLower ? search->n[d] : -search->n[d];
+  const bool isLower = leaf <= other;
+  ctLeafPair* pair = &pairs->pairs[pairs->count++];
+  *pair = (ctLeafPair){.a = isLower ? leaf : other, .b = isLower ? other : leaf, .squaredGap = squaredGap};
+  for (int d = 0; d < 3; d++) {
+    if (abs(n[d]) > CT_MOST_IMAGE) {
+      task->isTooLong = true;
+      return false;
+    }
+    pair->image[d] = isLower ? n[d] : -n[d];
+  }
+  return true;
+}
+
+/* Writes the box around members (bits) to member 0 of another. */
+static void boxGroup(const AxisBoxes* from, unsigned members, AxisBoxes* around) {
+  AxisBoxes kept = *from;
+  for (int d = 0; d < 3; d++) {
+    store16(kept.low[d], blend16(members, all16(INFINITY), load16(kept.low[d])));
+    store16(kept.high[d], blend16(members, all16(-INFINITY), load16(kept.high[d])));
+  }
+  clearAxisBoxes(around);
+  boxMembers(&kept, around, 0);
+}
+
+/* Writes the box around member k before the trial and in it. */
+static void boundBoth(const AxisBoxes* before, const AxisBoxes* after, int k, double low[3], double high[3]) {
+  for (int d = 0; d < 3; d++) {
+    low[d] = lesser((double)before->low[d][k], (double)after->low[d][k]);
+    high[d] = larger((double)before->high[d][k], (double)after->high[d][k]);
+  }
+}
+
+/* Adds the pairs of leaf k of node a with leaves (bits) of node b in all images that are near. */
+static bool addManyImages(const LeafImages* search, int a, int k, int b, unsigned columns) {
+  const LeafTask* task = search->task;
+  const BothBoxes row = bothBoxes(task, a);
+  const BothBoxes others = bothBoxes(task, b);
+  const int leaf = memberOfNode(task->tree, 1, a, k);
+  const int first = memberOfNode(task->tree, 1, b, 0);
+  AxisBoxes around[2];
+  boxGroup(others.before, columns, &around[0]);
+  boxGroup(others.after, columns, &around[1]);
+  double low[2][3];
+  double high[2][3];
+  boundBoth(row.before, row.after, k, low[0], high[0]);
+  boundBoth(&around[0], &around[1], 0, low[1], high[1]);
+  ImageRange range = ctImageRange(&task->sequence->box, low[0], high[0], low[1], high[1], (double)search->reach);
+  while (ctNextImage(&range)) {
+    const Image* image = &range.image;
+    const Float16 shift[3] = {all16((float)image->shift[0]), all16((float)image->shift[1]),
+                              all16((float)image->shift[2])};
+    const Float16 least = min16(gapsOfShifted(row.before, k, others.before, shift, search->margin),
+                                gapsOfShifted(row.after, k, others.after, shift, search->margin));
+    unsigned near = columns & ~greater16(least, all16(task->limit));
+    if (a == b && !isFirstOfOpposite(image->n)) {
+      near &= ~(1u << k); /* the leaf and itself */
+    }
+    float gaps[TREE_WIDTH];
+    store16(gaps, least);
+    for (; near != 0; near &= near - 1) {
+      const int l = __builtin_ctz(near);
+      if (!addImage(search, leaf, first + l, image->n, gaps[l])) {
+        return false;
+      }
     }
   }
   return true;
 }
 
-/* Searches an image of members `rows` (bits) of node a and members `columns` of node b, both open and of one level. */
+/* Adds the pairs of leaf k of node a with leaves (bits) of node b that are near. */
+static bool addImages(const LeafImages* search, int a, int k, int b, unsigned columns) {
+  const LeafTask* task = search->task;
+  const BothBoxes row = bothBoxes(task, a);
+  const BothBoxes others = bothBoxes(task, b);
+  NearestImages nearest = {.near = 0};
+  addNearest(search, row.before, k, others.before, true, &nearest);
+  if (row.after != row.before || others.after != others.before) {
+    addNearest(search, row.after, k, others.after, false, &nearest);
+  }
+  search->task->tests += TREE_WIDTH;
+  unsigned near = nearest.near & (nearest.many | ~greater16(load16(nearest.gaps), all16(task->limit))) & columns;
+  near &= near == 0 ? 0 : comparedLeaves(task, 1, a, k, b);
+  if ((near & nearest.many) != 0) {
+    return addManyImages(search, a, k, b, near);
+  }
+  for (; near != 0; near &= near - 1) {
+    const int l = __builtin_ctz(near);
+    const int n[3] = {(int)nearest.n[0][l], (int)nearest.n[1][l], (int)nearest.n[2][l]};
+    if ((n[0] != 0 || n[1] != 0 || n[2] != 0) &&
+        !addImage(search, memberOfNode(task->tree, 1, a, k), memberOfNode(task->tree, 1, b, l), n, nearest.gaps[l])) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Compares members `rows` (bits) of node a, which move, with members `columns` of node b, both open and of one level.
+ */
 static bool visitLeafImage(const LeafImages* search, int level, int a, int b, unsigned rows, unsigned columns) {
   const LeafTask* task = search->task;
   const BothBoxes boxesA = bothBoxes(task, a);
   const BothBoxes boxesB = bothBoxes(task, b);
-  float gaps[TREE_WIDTH];
   for (; rows != 0; rows &= rows - 1) {
     const int k = __builtin_ctz(rows);
-    const int row = memberOfNode(task->tree, level, a, k);
-    unsigned near = nearShifted(search, 1, boxesA, k, boxesB, gaps) & columns;
-    near &= near == 0 ? 0 : searchedLeaves(search, level, a, k, b);
-    if (near == 0) {
-      continue;
-    }
     if (level == 1) {
-      if (!addImages(search, row, memberOfNode(task->tree, level, b, 0), near, gaps)) {
+      if (!addImages(search, a, k, b, columns)) {
         return false;
       }
       continue;
     }
+    unsigned near = meetBoth(search, boxesA, k, boxesB) & columns;
+    near &= near == 0 ? 0 : comparedLeaves(task, level, a, k, b);
+    if (near == 0) {
+      continue;
+    }
+    const int row = memberOfNode(task->tree, level, a, k);
     CT_WIDE(openMembers)(task, level - 1, row);
     for (; near != 0; near &= near - 1) {
       const int l = __builtin_ctz(near);
       const int column = memberOfNode(task->tree, level, b, l);
       CT_WIDE(openMembers)(task, level - 1, column);
-      const unsigned nearRows = nearShifted(search, -1, boxesB, l, bothBoxes(task, row), gaps);
-      const unsigned nearColumns = nearShifted(search, 1, boxesA, k, bothBoxes(task, column), gaps);
-      if (!visitLeafImage(search, level - 1, row, column, nearRows & movingLeaves(task, row), nearColumns)) {
+      const unsigned nearRows = meetBoth(search, boxesB, l, bothBoxes(task, row)) & movingLeaves(task, row);
+      const unsigned nearColumns = meetBoth(search, boxesA, k, bothBoxes(task, column));
+      if (!visitLeafImage(search, level - 1, row, column, nearRows, nearColumns)) {
         return false;
       }
     }
@@ -163,16 +295,6 @@ typedef struct LeafGroup {
   AxisBoxes after;
 } LeafGroup;
 
-static void boxGroup(const AxisBoxes* from, unsigned members, AxisBoxes* around) {
-  AxisBoxes kept = *from;
-  for (int d = 0; d < 3; d++) {
-    store16(kept.low[d], blend16(members, all16(INFINITY), load16(kept.low[d])));
-    store16(kept.high[d], blend16(members, all16(-INFINITY), load16(kept.high[d])));
-  }
-  clearAxisBoxes(around);
-  boxMembers(&kept, around, 0);
-}
-
 static LeafGroup leafGroupOf(const LeafTask* task, int level, int node, unsigned members) {
   LeafGroup group = {.level = level, .node = node, .members = members};
   const BothBoxes boxes = bothBoxes(task, node);
@@ -181,20 +303,11 @@ static LeafGroup leafGroupOf(const LeafTask* task, int level, int node, unsigned
   return group;
 }
 
-/* Writes the box around member 0 before the trial and in it. */
-static void boundBoth(const AxisBoxes* before, const AxisBoxes* after, double low[3], double high[3]) {
-  for (int d = 0; d < 3; d++) {
-    low[d] = lesser((double)before->low[d][0], (double)after->low[d][0]);
-    high[d] = larger((double)before->high[d][0], (double)after->high[d][0]);
-  }
-}
-
-/* Searches an image of a group and an open node of its level or a higher one. False ends the search. */
+/* Compares a group with an open node of its level or a higher one. False ends the search. */
 static bool visitLeafGroup(const LeafImages* search, const LeafGroup* group, int level, int node) {
   const LeafTask* task = search->task;
-  float gaps[TREE_WIDTH];
-  unsigned near = nearShifted(search, 1, (BothBoxes){&group->before, &group->after}, 0, bothBoxes(task, node), gaps);
-  near &= search->isFirst ? task->leaves->occupied[node] : holdingStatic(task, level, node);
+  unsigned near = meetBoth(search, (BothBoxes){&group->before, &group->after}, 0, bothBoxes(task, node));
+  near &= task->leaves->occupied[node];
   if (level == group->level) {
     return near == 0 || visitLeafImage(search, level, group->node, node, group->members, near);
   }
@@ -208,85 +321,19 @@ static bool visitLeafGroup(const LeafImages* search, const LeafGroup* group, int
   return true;
 }
 
-/* Searches one image. */
-static bool searchLeafImage(LeafTask* task, const Image* image, const LeafGroup* group, int level, int node) {
-  LeafImages search = {.task = task, .isFirst = isFirstOfOpposite(image->n)};
-  if (!search.isFirst && task->pieceCount == 0) {
-    return true;
-  }
-  for (int d = 0; d < 3; d++) {
-    if (abs(image->n[d]) > CT_MOST_IMAGE) {
-      task->isTooLong = true;
-      return false;
-    }
-    search.n[d] = image->n[d];
-    search.shift[d] = (float)image->shift[d];
-  }
-  const double length = sqrt(dot(image->shift, image->shift));
-  search.margin = (float)floatMargin(task->size + task->cutoff + length);
-  return visitLeafGroup(&search, group, level, node);
-}
-
-/* Searches all images of a group that are near an open node, of its level or a higher one. */
-static bool searchLeafImages(LeafTask* task, const LeafGroup* group, int level, int node) {
-  const unsigned occupied = task->leaves->occupied[node];
-  const LeafGroup other = leafGroupOf(task, level, node, occupied);
-  double lowA[3];
-  double highA[3];
-  double lowB[3];
-  double highB[3];
-  boundBoth(&group->before, &group->after, lowA, highA);
-  boundBoth(&other.before, &other.after, lowB, highB);
-  /* No shift is longer than the sum of both boxes' sizes and the cutoff. */
-  const double reach = task->cutoff * (1 + 1e-6) + floatMargin(4 * (task->size + task->cutoff));
-  ImageRange range = ctImageRange(&task->sequence->box, lowA, highA, lowB, highB, reach);
-  const ImageRange all = range;
-  int count = 0;
-  while (count <= MOST_IMAGES && ctNextImage(&range)) {
-    count++;
-  }
-  if (count > MOST_IMAGES && level > group->level) {
-    for (unsigned left = occupied; left != 0; left &= left - 1) {
-      const int child = memberOfNode(task->tree, level, node, __builtin_ctz(left));
-      CT_WIDE(openMembers)(task, level - 1, child);
-      if (!searchLeafImages(task, group, level - 1, child)) {
-        return false;
-      }
-    }
-    return true;
-  }
-  if (count > MOST_IMAGES && level > 1) {
-    for (unsigned left = group->members; left != 0; left &= left - 1) {
-      const int child = memberOfNode(task->tree, level, group->node, __builtin_ctz(left));
-      CT_WIDE(openMembers)(task, level - 1, child);
-      const LeafGroup below = leafGroupOf(task, level - 1, child, movingLeaves(task, child));
-      if (!searchLeafImages(task, &below, level, node)) {
-        return false;
-      }
-    }
-    return true;
-  }
-  for (range = all; ctNextImage(&range);) {
-    if (!searchLeafImage(task, &range.image, group, level, node)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-/* Searches all images of what moves in a node of many bodies, which is open. */
-static bool searchLeafGroups(LeafTask* task, int level, int node) {
-  const int superRoot = treeSuperRoot(task->tree);
+/* Compares all that moves in a node of many bodies, which is open, with the scene. */
+static bool searchLeafGroups(const LeafImages* search, int level, int node) {
+  const LeafTask* task = search->task;
   const unsigned many = level > 1 && task->pieceCount > 0 ? membersOfBody(task, node, MANY_BODIES) : 0;
   const unsigned members = movingLeaves(task, node) & ~many;
   if (members != 0) {
     const LeafGroup group = leafGroupOf(task, level, node, members);
-    if (!searchLeafImages(task, &group, task->tree->levelCount, superRoot)) {
+    if (!visitLeafGroup(search, &group, task->tree->levelCount, treeSuperRoot(task->tree))) {
       return false;
     }
   }
   for (unsigned left = many; left != 0; left &= left - 1) {
-    if (!searchLeafGroups(task, level - 1, memberOfNode(task->tree, level, node, __builtin_ctz(left)))) {
+    if (!searchLeafGroups(search, level - 1, memberOfNode(task->tree, level, node, __builtin_ctz(left)))) {
       return false;
     }
   }
@@ -294,7 +341,11 @@ static bool searchLeafGroups(LeafTask* task, int level, int node) {
 }
 
 void CT_WIDE(listLeafImages)(LeafTask* task) {
+  /* No shift is longer than the sum of both boxes' sizes and the cutoff. */
+  const double margin = floatMargin(4 * (task->size + task->cutoff));
+  const LeafImages search = {task, latticeOf(&task->sequence->box), (float)(task->cutoff * (1 + 1e-6) + 2 * margin),
+                             (float)margin};
   if (task->leaves->occupied[treeSuperRoot(task->tree)] != 0) {
-    searchLeafGroups(task, task->tree->levelCount, treeSuperRoot(task->tree));
+    searchLeafGroups(&search, task->tree->levelCount, treeSuperRoot(task->tree));
   }
 }

@@ -1,4 +1,5 @@
 /* Trials that move a few slots in a row, and probes: each mover is tested against all static slots. */
+#include "nearimages.h"
 #include "signedshorts.h"
 #include "view.h"
 
@@ -142,8 +143,7 @@ static bool meet(Traversal* t, const Visit* visit, int mover, Sphere sphere, int
   double b[3];
   ctPositionInView(t, mover, bodyOfSlot(t->view, mover), a);
   ctPositionInView(t, slot, body, b);
-  const double squared = t->image == NULL ? squaredDistance(a, b) : squaredImageDistance(a, b, t->image);
-  return visit->function(visit->context, mover, slot, squared);
+  return visit->function(visit->context, mover, slot, squaredDistance(a, b));
 }
 
 /* The index of the masks of leafA's slots with leafB's. The usual case has no branch, so that nothing is mispredicted.
@@ -585,83 +585,106 @@ void CT_WIDE(traverseProbe)(Traversal* t, const View* view, const double point[3
 
 /* ---- Images of movers ---- */
 
-/* Tests an image of movers against movers. False ends the search. */
-static bool testImageOfMovers(Traversal* t, Visit* visit, const Movers* image, const Movers* movers) {
-  for (unsigned left = movers->bits; left != 0; left &= left - 1) {
-    const int k = __builtin_ctz(left);
-    const int slot = movers->first + k;
-    const int body = bodyOfSlot(t->view, slot);
-    unsigned near = near16(&image->block, sphereOf(&movers->block, k), visit->reach) & image->bits;
-    visit->particleTests += TREE_WIDTH;
-    for (unsigned others = near; others != 0; others &= others - 1) {
-      const int other = __builtin_ctz(others);
-      if (bodyOfSlot(t->view, image->first + other) == body && keepsDirection(t->view, body)) {
-        near &= ~(1u << other);
-      }
+/* Movers and their images. */
+typedef struct ImagesOfMovers {
+  Visit* visit;
+  const PeriodicBox* box;
+  Lattice lattice;
+  int begin; /* slots [begin, end) move */
+  int end;
+} ImagesOfMovers;
+
+/* Tests the pairs of a slot of this body with movers (bits) in their nearest images. False ends the search. */
+static bool meetImages(Traversal* t, const ImagesOfMovers* images, const Movers* movers, unsigned near, int slot,
+                       int body) {
+  double positions[2][3];
+  if (near != 0) {
+    ctPositionInView(t, slot, body, positions[1]);
+  }
+  for (; near != 0; near &= near - 1) {
+    const int slots[2] = {movers->first + __builtin_ctz(near), slot};
+    const int excluded = exclusionMask(t->exclusions, coveringNode(slot), coveringNode(slots[0]));
+    if ((t->exclusions->mask[excluded][memberIndex(slot)] >> memberIndex(slots[0]) & 1) != 0) {
+      continue;
     }
-    if (near != 0 && !meetMovers(t, visit, image, near, slot, sphereOf(&movers->block, k), body)) {
+    ctPositionInView(t, slots[0], bodyOfSlot(t->view, slots[0]), positions[0]);
+    if (!tellNearestImage(t, images->box, slots, positions, images->visit->function, images->visit->context)) {
       return false;
     }
   }
   return true;
 }
 
-/* Tests an image of movers against all slots. False ends the search. */
-static bool testImage(Traversal* t, Visit* visit, const Movers* movers, int count, Movers* image, int begin, int end) {
-  image->box = boxOfMovers(&image->block);
-  /* One of two opposite images suffices where both slots move. */
-  for (int i = 0; i < count && isFirstOfOpposite(t->image->n); i++) {
-    if (nearBoxOfMovers(&movers[i].block, &image->box, visit->reach) != 0 &&
-        !testImageOfMovers(t, visit, image, &movers[i])) {
-      return false;
-    }
-  }
-  for (int leaf = image->firstLeaf; leaf <= image->lastLeaf; leaf++) {
-    const unsigned slots = ~slotBits(begin, end, leaf * TREE_WIDTH);
-    if ((nearBoxOfMovers(worldOf(t->world, leaf), &image->box, visit->reach) & slots) != 0 &&
-        !testLeaf(t, visit, image, leaf, slots)) {
-      return false;
-    }
-  }
-  return testStaticLeaves(t, visit, image);
+/* The movers (bits) that are near a sphere in an image. */
+static unsigned nearMovers(const ImagesOfMovers* images, const Movers* movers, Sphere sphere) {
+  images->visit->particleTests += TREE_WIDTH;
+  return nearImages16(&images->lattice, &movers->block, sphere, images->visit->reach) & movers->bits;
 }
 
-static void shiftMovers(const Movers* movers, const double shift[3], Movers* image) {
-  *image = *movers;
-  store16(image->block.x, add16(load16(movers->block.x), all16((float)shift[0])));
-  store16(image->block.y, add16(load16(movers->block.y), all16((float)shift[1])));
-  store16(image->block.z, add16(load16(movers->block.z), all16((float)shift[2])));
+/* Tests movers against images of static members of a node. False ends the search. */
+static bool testStaticImages(Traversal* t, const ImagesOfMovers* images, const Movers* movers, Sphere around, int level,
+                             int node) {
+  updateWorld(t->world, level, node);
+  const Block* block = worldOf(t->world, node);
+  unsigned near = nearImages16(&images->lattice, block, around, images->visit->reach);
+  if (level == 0) {
+    images->visit->particleTests += TREE_WIDTH;
+    near &= ~slotBits(images->begin, images->end, node * TREE_WIDTH);
+    for (; near != 0; near &= near - 1) {
+      const int k = __builtin_ctz(near);
+      if (!meetImages(t, images, movers, nearMovers(images, movers, sphereOf(block, k)), node * TREE_WIDTH + k, 0)) {
+        return false;
+      }
+      block = worldOf(t->world, node);
+    }
+    return true;
+  }
+  images->visit->volumeTests += TREE_WIDTH;
+  int count;
+  const int first = treeChildren(t->tree, level, node, &count);
+  for (; near != 0; near &= near - 1) {
+    if (!testStaticImages(t, images, movers, around, level - 1, first + __builtin_ctz(near))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/* Tests movers against images of later ones, unless both are of one body that does not turn. False ends the search. */
+static bool testImagesOfMovers(Traversal* t, const ImagesOfMovers* images, const Movers* movers, Sphere around,
+                               const Movers* others) {
+  const unsigned rows = nearMovers(images, others, around) == 0 ? 0 : movers->bits;
+  for (unsigned left = rows; left != 0; left &= left - 1) {
+    const int k = __builtin_ctz(left);
+    const int body = bodyOfSlot(t->view, movers->first + k);
+    unsigned near = nearMovers(images, others, sphereOf(&movers->block, k));
+    near &= movers == others ? ~0u << k : ~0u;
+    for (unsigned other = near; keepsDirection(t->view, body) && other != 0; other &= other - 1) {
+      const int l = __builtin_ctz(other);
+      near &= ~((unsigned)(bodyOfSlot(t->view, others->first + l) == body) << l);
+    }
+    if (!meetImages(t, images, others, near, movers->first + k, body)) {
+      return false;
+    }
+  }
+  return true;
 }
 
 void CT_WIDE(traverseFewImages)(Traversal* t, const View* view, const PeriodicBox* box, int begin, int end,
-                                CandidateFunction* function, SureClashFunction* clashes, void* context,
-                                ctCounts* counts) {
+                                CandidateFunction* function, void* context, ctCounts* counts) {
   Visit visit = CT_WIDE(startVisit)(t, view, function, context);
-  visit.clashes = clashes;
+  visit.reach = (float)imageReach(t);
+  const ImagesOfMovers images = {&visit, box, latticeOf(box), begin, end};
   Movers movers[MOST_MOVERS / TREE_WIDTH];
   const int count = takeAllMovers(t, begin, end, movers);
-  double lowA[3], highA[3], lowB[3], highB[3];
-  boundsOfBlock(worldOf(t->world, treeRoot(t->tree)), lowB, highB);
   bool continues = true;
   for (int i = 0; i < count && continues; i++) {
-    boundsOfBlock(&movers[i].block, lowA, highA);
-    for (int d = 0; d < 3; d++) { /* other movers may be outside of the state's bounds */
-      lowB[d] = lesser(lowB[d], lowA[d]);
-      highB[d] = larger(highB[d], highA[d]);
+    Sphere around = middleOfBlock(&movers[i].block);
+    around.r += radiusAbout(around, &movers[i].block, movers[i].block.r) * (1 + 1e-6f);
+    continues = testStaticImages(t, &images, &movers[i], around, treeTop(t->tree), treeRoot(t->tree));
+    for (int j = i; j < count && continues; j++) {
+      continues = testImagesOfMovers(t, &images, &movers[i], around, &movers[j]);
     }
   }
-  for (int i = 0; i < count && continues; i++) {
-    boundsOfBlock(&movers[i].block, lowA, highA);
-    ImageRange range = ctImageRange(box, lowA, highA, lowB, highB, imageReach(t));
-    while (continues && ctNextImage(&range)) {
-      Movers image;
-      shiftMovers(&movers[i], range.image.shift, &image);
-      t->image = &range.image;
-      visit.margin = imageMargin(t, range.image.shift);
-      visit.reach = (float)(view->reach + visit.margin);
-      continues = testImage(t, &visit, movers, count, &image, begin, end);
-    }
-  }
-  t->image = NULL;
   addTests(counts, visit.volumeTests, visit.particleTests);
 }
