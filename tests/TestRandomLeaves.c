@@ -1,6 +1,6 @@
 /* Leaves in random scenes and programs: positions, pieces, and pairs of leaves, against brute force over all particles.
- * What is kept from state to state has the bits of a scene that is made from the state; so has every instruction set.
- */
+ * What is kept from state to state has the bits of a scene that is made from the state, after ctRenew or if there is
+ * one molecule. Every instruction set gives the same bits. */
 #define _POSIX_C_SOURCE 200809L /* setenv */
 
 #include <math.h>
@@ -37,6 +37,8 @@ typedef struct Case {
     int* body;             /* per slot, in the open trial */
     unsigned char* listed; /* leafCount * leafCount */
     double tolerance;      /* of positions */
+    int isExact;           /* what is kept has the bits of a scene that is made from the state */
+    int isRenewed;         /* ctRenew is called in each state */
     uint64_t hash;         /* of all answers */
 } Case;
 
@@ -185,6 +187,11 @@ static void checkPairs(Case* c, double cutoff, size_t count, const ctLeafPair* p
         }
 }
 
+static int hasPairs(size_t count, const ctLeafPair* pairs, size_t otherCount, const ctLeafPair* otherPairs)
+{
+    return count == otherCount && (count == 0 || memcmp(pairs, otherPairs, count * sizeof *pairs) == 0);
+}
+
 /* ---- Checks of a state and a trial ---- */
 
 static double chooseCutoff(Case* c)
@@ -193,15 +200,27 @@ static double chooseCutoff(Case* c)
     return randomChance(&c->random, 0.2) ? INFINITY : cutoffs[randomInt(&c->random, 5)];
 }
 
+/* Whether there are molecules that stay where they are while another moves: those keep the bits of their positions,
+ * which a new scene computes from other frames. */
+static int hasMolecules(const randomScene* scene)
+{
+    int molecules = 0;
+    for (int link = 0; link < scene->linkCount; link++)
+        molecules += scene->linkParents[link] == CT_NULL;
+    return molecules > 1;
+}
+
 static void checkState(Case* c, ctChainTree* rebuilt)
 {
+    if (c->isRenewed)
+        ctRenew(c->tree);
     const ctLeafPositions* leaves = ctGetLeaves(c->tree);
     const ctLeafPositions* others = ctGetLeaves(rebuilt);
     size_t size = (size_t)c->leafCount * sizeof(ctLeafPositions);
     ctGetPositions(c->tree, c->state);
     for (int leaf = 0; leaf < c->leafCount; leaf++)
         EXPECT(hasPositions(c, leaves, leaf, c->state));
-    EXPECT(memcmp(leaves, others, size) == 0);
+    EXPECT(!c->isExact || memcmp(leaves, others, size) == 0);
     addToHash(c, leaves, size);
     if (!randomChance(&c->random, 0.3))
         return;
@@ -211,7 +230,7 @@ static void checkState(Case* c, ctChainTree* rebuilt)
     EXPECT(ctGetLeafPairs(c->tree, cutoff, &count, &pairs, NULL) == ctSuccess);
     EXPECT(ctGetLeafPairs(rebuilt, cutoff, &otherCount, &otherPairs, NULL) == ctSuccess);
     checkPairs(c, cutoff, count, pairs, 0);
-    EXPECT(count == otherCount && (count == 0 || memcmp(pairs, otherPairs, count * sizeof *pairs) == 0));
+    EXPECT(!c->isExact || hasPairs(count, pairs, otherCount, otherPairs));
     if (count > 0)
         addToHash(c, pairs, count * sizeof *pairs);
 }
@@ -269,12 +288,12 @@ static void checkTrial(Case* c, ctChainTree* rebuilt, int changeCount, const ctC
         EXPECT(ctPropose(rebuilt, changeCount, changes) == ctSuccess);
         EXPECT(ctGetChangedLeafPairs(rebuilt, cutoff, &otherCount, &otherPairs, &otherPositions, NULL) == ctSuccess);
         checkPairs(c, cutoff, count, pairs, 1);
-        EXPECT(count == otherCount && (count == 0 || memcmp(pairs, otherPairs, count * sizeof *pairs) == 0));
+        EXPECT(!c->isExact || hasPairs(count, pairs, otherCount, otherPairs));
         for (size_t i = 0; i < count; i++)
             for (int n = 0; n < 2; n++) {
                 int leaf = n == 0 ? pairs[i].a : pairs[i].b;
                 EXPECT(hasPositions(c, positions, leaf, c->trial));
-                EXPECT(memcmp(&positions[leaf], &otherPositions[leaf], sizeof *positions) == 0);
+                EXPECT(!c->isExact || memcmp(&positions[leaf], &otherPositions[leaf], sizeof *positions) == 0);
                 addToHash(c, &positions[leaf], sizeof *positions);
             }
         if (count > 0)
@@ -392,6 +411,8 @@ static uint64_t runScene(int seed)
         for (int i = 0; i < c.scene.particleCount; i++)
             c.flags[i] = randomChance(&c.random, chance);
     }
+    c.isRenewed = randomChance(&c.random, 0.5);
+    c.isExact = c.isRenewed || !hasMolecules(&c.scene);
     c.tree = createTree(&c.scene, c.flags);
     c.leafCount = ctGetLeafCount(c.tree);
     size_t slots = (size_t)c.leafCount * CT_LEAF_WIDTH, coordinates = 3 * (size_t)c.scene.particleCount;

@@ -3,8 +3,11 @@
 #ifndef CT_NEAR_IMAGES_H_
 #define CT_NEAR_IMAGES_H_
 
+#include <math.h>
+
 #include "../images.h"
 #include "../traverse.h"
+#include "../volume.h"
 #include "set.h"
 
 /* PeriodicBox.inverse and PeriodicBox.across. */
