@@ -3,6 +3,7 @@
 
 enum { CHAINS = 0 };
 
+#include "../src/tester.h"
 #include "periodic.h"
 
 enum { COUNT = 3 };
@@ -72,11 +73,35 @@ static bool testPair(const double (*box)[3], const int n[3], double excess) {
   return clash;
 }
 
+/* A trial that clashed with an image is tested again in a wider box, in which that image is elsewhere. */
+static void testWiderBox(void) {
+  const double box[2][3][3] = {{{3, 0, 0}, {0, 3, 0}, {0, 0, 3}}, {{3.4, 0, 0}, {0, 3.4, 0}, {0, 0, 3.4}}};
+  const int n[3] = {1, 0, 0};
+  double positions[3 * COUNT];
+  const ctDefinition definition = describeBeads(positions, box[0]);
+  ctChainTree* tree = checkedCreate(&definition);
+  ctChange change = {.link = 1};
+  for (int d = 0; d < 3; d++) {
+    change.translation[d] = positions[d] + n[0] * box[0][0][d] - positions[3 + d];
+  }
+  CHECK(ctSwitchTester(tree, "fewMovers", false));
+  for (int k = 0; k < 2; k++) {
+    bool clash;
+    CHECK_SUCCESS(ctSetBox(tree, box[k]));
+    CHECK_SUCCESS(ctPropose(tree, 1, &change));
+    CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
+    CHECK(clash == (k == 0));
+    ctReject(tree);
+  }
+  ctDestroy(tree);
+}
+
 int main(void) {
   static const char* const sets[] = {"avx512", "avx2", "portable"};
   static const char* const courses[] = {"tree", "boxes", "clearances", "any"};
   enum { SETS = 3, COURSES = 4, STEPS = 40 };
   int clashes = 0;
+  testWiderBox();
   for (int box = 0; box < BOXES; box++) {
     for (int image = 0; image < 27; image++) {
       const int n[3] = {image % 3 - 1, image / 3 % 3 - 1, image / 9 - 1};
