@@ -109,8 +109,7 @@ CT_INLINE unsigned meetBoth(const LeafImages* search, BothBoxes row, int k, Both
 typedef struct NearestImages {
   float n[3][TREE_WIDTH];
   float gaps[TREE_WIDTH]; /* squared */
-  unsigned near;          /* members that meet the leaf in an image with a shift */
-  unsigned many;          /* of these, members that may meet it in several images */
+  unsigned many;          /* members that may meet it in several images */
 } NearestImages;
 
 /* Squared gaps between box k of some, shifted, and sixteen others. */
@@ -142,7 +141,6 @@ CT_INLINE void addNearest(const LeafImages* search, const AxisBoxes* row, int k,
   }
   const Float16 gaps = gapsOfShifted(row, k, others, shift, search->margin);
   store16(nearest->gaps, isFirst ? gaps : min16(gaps, load16(nearest->gaps)));
-  nearest->near |= meetImages16(apart.vectors, apart.reaches);
 }
 
 /* Adds a pair of a shifted leaf and another. */
@@ -227,13 +225,16 @@ static bool addImages(const LeafImages* search, int a, int k, int b, unsigned co
   const LeafTask* task = search->task;
   const BothBoxes row = bothBoxes(task, a);
   const BothBoxes others = bothBoxes(task, b);
-  NearestImages nearest = {.near = 0};
+  unsigned near = meetBoth(search, row, k, others) & columns;
+  if (near == 0) { /* mostly */
+    return true;
+  }
+  NearestImages nearest = {.many = 0};
   addNearest(search, row.before, k, others.before, true, &nearest);
   if (row.after != row.before || others.after != others.before) {
     addNearest(search, row.after, k, others.after, false, &nearest);
   }
-  search->task->tests += TREE_WIDTH;
-  unsigned near = nearest.near & (nearest.many | ~greater16(load16(nearest.gaps), all16(task->limit))) & columns;
+  near &= nearest.many | ~greater16(load16(nearest.gaps), all16(task->limit));
   near &= near == 0 ? 0 : comparedLeaves(task, 1, a, k, b);
   if ((near & nearest.many) != 0) {
     return addManyImages(search, a, k, b, near);
