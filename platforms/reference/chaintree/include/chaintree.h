@@ -192,6 +192,12 @@ ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]);
 /* True if the scene is in a periodic box; writes its vectors then. */
 bool ctGetBox(const ctChainTree* tree, double box[3][3]);
 
+/* Multiplies the vectors of the periodic box by `factor`, and moves each molecule, that is a link with a free joint on
+ * the world and all that hangs on it, as a rigid body, so that the coordinates of its centroid are multiplied, too.
+ * Fixed particles stay. Reference positions keep their bits. Drops an open trial, keeps limits. O(N). Errors: no box; a
+ * factor that is not positive and finite; a box that ctSetBox would refuse; no memory. */
+ctStatus ctScaleBox(ctChainTree* tree, double factor);
+
 /* Writes the 3 * particleCount coordinates (nm) of the state. Particles of a molecule in its reference state keep their
  * reference bits, fixed particles always. O(N). */
 void ctGetPositions(ctChainTree* tree, double* positions);
@@ -263,6 +269,10 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
 /* Gives each pair whose overlap is beyond its limit a new one: its overlap now plus CT_SIGMA, so that rounding cannot
  * make its own state clash. *raised is the number of such pairs. */
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
+
+/* *clash is true if some pair of the state overlaps beyond its limit: what ctTestTrial finds for pairs that a trial
+ * moves, for all pairs. If there is a clash and pair is not NULL, pair holds one, lower index first. */
+ctStatus ctTestState(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
 /* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. A
  * negative capacity is none. */

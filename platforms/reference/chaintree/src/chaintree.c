@@ -26,8 +26,7 @@ static bool build(ctChainTree* scene, const ctDefinition* definition) {
          ctCopiedBuild(&scene->followed, &scene->arena, &scene->sequence);
 }
 
-/* Sets the box. Writes what is wrong with it, if anything, and returns false. */
-static bool takeBox(ctChainTree* scene, const double (*vectors)[3], char* text, size_t size) {
+bool ctSceneTakeBox(ctChainTree* scene, const double (*vectors)[3], char* text, size_t size) {
   PeriodicBox box = {.isPeriodic = false};
   if (vectors != NULL) {
     const char* fault = ctFindBoxFault(vectors);
@@ -66,7 +65,7 @@ ctStatus ctSetBox(ctChainTree* tree, const double (*box)[3]) {
     return ctFailOutOfMemory(tree);
   }
   ctGetPositions(tree, positions);
-  const bool isTaken = takeBox(tree, box, tree->errorText, sizeof tree->errorText);
+  const bool isTaken = ctSceneTakeBox(tree, box, tree->errorText, sizeof tree->errorText);
   if (isTaken) {
     ctReject(tree);
     takeReference(tree, positions);
@@ -108,7 +107,7 @@ ctStatus ctCreate(const ctDefinition* definition, ctChainTree** tree, char* erro
     return ctOutOfMemory;
   }
   scene->overlapTolerance = definition->overlapTolerance;
-  if (!takeBox(scene, definition->box, errorText, errorSize)) {
+  if (!ctSceneTakeBox(scene, definition->box, errorText, errorSize)) {
     ctDestroy(scene);
     return ctInvalidArgument;
   }

@@ -1,4 +1,6 @@
 /* Limits of single pairs. */
+#include <string.h>
+
 #include "clashes.h"
 #include "merged.h"
 
@@ -82,6 +84,7 @@ ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts) {
 typedef struct Excess {
   double most; /* the search ends beyond this */
   double found;
+  int pair[2]; /* that has it */
 } Excess;
 
 static bool measureExcess(Clashes* clashes, int slotA, int slotB, double overlap) {
@@ -92,15 +95,32 @@ static bool measureExcess(Clashes* clashes, int slotA, int slotB, double overlap
   int pair[2];
   particlesOf(tree, slotA, slotB, pair);
   const double limit = ctLimitsFind(&tree->limits, pair[0], pair[1], pairTolerance(tree, slotA, slotB));
-  excess->found = larger(excess->found, canonical - limit);
+  if (canonical - limit > excess->found) {
+    excess->found = canonical - limit;
+    memcpy(excess->pair, pair, sizeof pair);
+  }
   return excess->found <= excess->most;
 }
 
 double ctSceneExcess(ctChainTree* scene, double most, ctCounts* counts) {
-  Excess excess = {most, 0};
+  Excess excess = {most, 0, {CT_NULL, CT_NULL}};
   Clashes clashes = {.tree = scene, .found = measureExcess, .context = &excess};
   const bool isKnown = ctFindClashes(&clashes, counts) && excess.found <= most;
   return isKnown ? excess.found : INFINITY;
+}
+
+ctStatus ctTestState(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts) {
+  CT_REQUIRE(tree, clash);
+  Excess excess = {0, 0, {CT_NULL, CT_NULL}};
+  Clashes clashes = {.tree = tree, .found = measureExcess, .context = &excess};
+  if (!ctFindClashes(&clashes, counts)) {
+    return ctFailOutOfMemory(tree);
+  }
+  *clash = excess.found > 0;
+  if (*clash && pair != NULL) {
+    memcpy(pair, excess.pair, sizeof excess.pair);
+  }
+  return ctSuccess;
 }
 
 int ctGetLimitCount(const ctChainTree* tree) {

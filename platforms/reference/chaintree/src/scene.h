@@ -57,6 +57,10 @@ ctStatus ctFailMissing(ctChainTree* scene, const char* argument);
     }                                            \
   } while (0)
 
+/* Sets the box, NULL for none, and leaves the state alone, which depends on it. Writes what is wrong with the box, if
+ * anything, and returns false. */
+bool ctSceneTakeBox(ctChainTree* scene, const double (*vectors)[3], char* text, size_t size);
+
 /* Fails unless a cutoff is finite and positive and, in a periodic box, at most half its width. */
 ctStatus ctCheckCutoff(ctChainTree* scene, double cutoff);
 

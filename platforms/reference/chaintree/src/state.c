@@ -1,4 +1,5 @@
 /* The state as numbers, to be kept and set again. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "definition.h"
@@ -151,4 +152,73 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   ctLeavesForget(&tree->leaves);
   tree->changeCount++;
   return ctSuccess;
+}
+
+/* ---- Scaling ---- */
+
+/* Moves each molecule in the numbers of the state so that its centroid is `factor` times where it is. */
+static void scaleMolecules(ctChainTree* tree, double factor, double* state) {
+  const Sequence* s = &tree->sequence;
+  double* numbers = state + referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const int link = sequenceLink(s, u);
+    if (isWrapped(s, link)) {
+      /* Within the engine, where it is shifted by box vectors, which are scaled, too. */
+      double sum[3];
+      const int particles = ctTreeSum(ctSceneTree(tree), s, link, sequenceEnd(s, link), sum);
+      for (int k = 0; k < 3; k++) {
+        numbers[QUATERNION_SIZE + k] += (factor - 1) * (s->worldOrigin[k] + sum[k] / particles);
+      }
+    }
+    numbers += jointSize(s, link);
+  }
+}
+
+/* Wraps the molecules that are far from worldOrigin. */
+static void wrapMolecules(Sequence* s) {
+  for (int branch = 0; branch < s->branchCount; branch++) {
+    const int link = s->branchHead[branch];
+    if (isWrapped(s, link)) {
+      JointState joint = ctSequenceGetJoint(s, link);
+      double shift[3];
+      ctJointWrap(s, &joint, shift);
+      ctSequenceSetJoint(s, link, &joint);
+    }
+  }
+}
+
+ctStatus ctScaleBox(ctChainTree* tree, double factor) {
+  CT_REQUIRE(tree, tree);
+  Sequence* s = &tree->sequence;
+  if (!s->box.isPeriodic) {
+    return ctFail(tree, ctInvalidArgument, "the scene has no periodic box");
+  }
+  if (!(factor > 0) || !isfinite(factor)) {
+    return ctFail(tree, ctInvalidArgument, "the factor of the periodic box is %g; it must be positive and finite",
+                  factor);
+  }
+  double* state = malloc((ctGetStateSize(tree) + 1) * sizeof *state);
+  if (state == NULL) {
+    return ctFailOutOfMemory(tree);
+  }
+  ctGetState(tree, state);
+  scaleMolecules(tree, factor, state);
+  const PeriodicBox before = s->box;
+  double vectors[3][3];
+  for (int k = 0; k < 3; k++) {
+    for (int d = 0; d < 3; d++) {
+      vectors[k][d] = factor * before.vectors[k][d];
+    }
+  }
+  ctStatus status = ctInvalidArgument;
+  if (ctSceneTakeBox(tree, (const double(*)[3])vectors, tree->errorText, sizeof tree->errorText)) {
+    status = ctSetState(tree, state);
+    if (status == ctSuccess) {
+      wrapMolecules(s);
+    } else {
+      s->box = before;
+    }
+  }
+  free(state);
+  return status;
 }

@@ -161,6 +161,11 @@ static ctStatus findClash(ctChainTree* tree) {
   return ctHasClash(tree, &clash, NULL, NULL);
 }
 
+static ctStatus testState(ctChainTree* tree) {
+  bool clash;
+  return ctTestState(tree, &clash, NULL, NULL);
+}
+
 static ctStatus listClashes(ctChainTree* tree) {
   PairCount pairs = {0};
   return ctForEachClash(tree, countPair, &pairs, NULL);
@@ -357,6 +362,7 @@ static void testAll(void) {
   testCall("select", selectFew, true, 0);
   testCall("accept", acceptTrial, false, 0);
   testCall("find a clash", findClash, true, 0.2);
+  testCall("test the state", testState, true, 0.2);
   testCall("list clashes", listClashes, true, 0.2);
   testCall("compute the energy", computeEnergy, true, 0.2);
   testCall("probe", probe, false, 0.2);
