@@ -129,6 +129,7 @@ class MinimumDistance(NamedTuple):
 %move(LocalMove)
 %move(PivotMove)
 %move(CrankshaftMove)
+%move(VolumeMove)
 
 %header %{
 static void raiseOpenMMException(const char* message) {

@@ -123,8 +123,8 @@ private:
 };
 
 LinkStructure::LinkStructure(const System& system, const StericExclusionForce& force) :
-    particleLinks(force.getNumParticles(), -1), torsionLinks(force.getNumTorsions(), -1),
-    ballJointLinks(force.getNumBallJoints(), -1)
+    periodic(force.usesPeriodicBoundaryConditions()), particleLinks(force.getNumParticles(), -1),
+    torsionLinks(force.getNumTorsions(), -1), ballJointLinks(force.getNumBallJoints(), -1)
 {
     BondGraph graph(force);
     listJoints(graph, force);

@@ -113,7 +113,8 @@ string MonteCarloMove::summarize() const
     string text = getSubject();
     for (const MoveParameter& parameter : getParameters())
         if (parameter.isSize)
-            text += " ±" + toText(std::get<double>(parameter.value)) + " " + parameter.unit;
+            text +=
+                " ±" + toText(std::get<double>(parameter.value)) + (parameter.unit == "1" ? "" : " " + parameter.unit);
     return text;
 }
 
@@ -136,10 +137,12 @@ void MonteCarloMove::write(SerializationNode& node) const
 bool MonteCarloMove::propose(TrialSession& trials, RandomNumberGenerator& random)
 {
     proposal.clear();
-    if (!draw(trials, random, proposal))
-        return false;
-    trials.propose(proposal);
-    return true;
+    return draw(trials, random, proposal) && trials.propose(proposal);
+}
+
+double MonteCarloMove::computeWork(TrialSession&)
+{
+    return 0;
 }
 
 double MonteCarloMove::computeLogRatio(TrialSession&)

@@ -88,6 +88,13 @@ double MoveList::sumWeights() const
     return sum;
 }
 
+bool MoveList::changeVolume() const
+{
+    return any_of(entries.begin(), entries.end(), [](const Entry& entry) {
+        return entry.weight > 0 && entry.move->changesVolume();
+    });
+}
+
 MoveList::Entry& MoveList::draw(double weightSum, RandomNumberGenerator& random)
 {
     double position = random.drawUniform() * weightSum;

@@ -64,6 +64,8 @@ void Scene::setTree(Tree created, vector<Vec3> positions)
 {
     energy.reset();
     saved.exists = false;
+    isScaled = false;
+    other.reset();
     arrangement = std::move(positions);
     tree = std::move(created);
     followed.clear();
@@ -113,8 +115,13 @@ void Scene::setListed(vector<uint8_t> needed)
 
 void Scene::check(ctStatus status) const
 {
+    check(status, tree.get());
+}
+
+void Scene::check(ctStatus status, const ctChainTree* failed) const
+{
     if (status != ctSuccess)
-        fail(ctGetErrorText(tree.get()));
+        fail(ctGetErrorText(failed));
 }
 
 // ---- State ----
@@ -142,6 +149,7 @@ void Scene::setPositions(const vector<Vec3>& positions, const BoxVectors& box)
         definition.box = box;
         return;
     }
+    isScaled = false;
     if (boxIsNew)
         check(ctSetBox(tree.get(), rowsOf(box)));
     if (ctSetPositions(tree.get(), coordinatesOf(positions)) != ctSuccess) {
@@ -214,7 +222,8 @@ void Scene::setState(const vector<double>& state)
 
 void Scene::save()
 {
-    saved.exists = false;
+    saved.exists = saved.isInOther = false;
+    saved.box = definition.box;
     saved.numbers.resize(ctGetStateSize(tree.get()));
     ctGetState(tree.get(), saved.numbers.data());
     readLimits(saved.limitedPairs, saved.limits);
@@ -226,6 +235,13 @@ void Scene::restore()
 {
     if (!saved.exists)
         fail("no state was saved");
+    isScaled = false;
+    if (saved.isInOther)
+        exchangeTrees();
+    if (!hasBox(saved.box)) {
+        check(ctSetBox(tree.get(), rowsOf(saved.box)));
+        definition.box = saved.box;
+    }
     check(ctSetState(tree.get(), saved.numbers.data()));
     PairList pairs;
     vector<double> limits;
@@ -317,22 +333,28 @@ void Scene::describe(const Proposal::Change& proposed, ctChange& change) const
     }
 }
 
-void Scene::propose(const Proposal& proposal)
+bool Scene::propose(const Proposal& proposal)
 {
+    if (proposal.getBoxFactor() != 1)
+        return proposeScaled(proposal.getBoxFactor());
+    isScaled = false;
     const vector<Proposal::Change>& proposed = proposal.getChanges();
     changes.resize(proposed.size());
     for (int i = 0; i < (int)proposed.size(); i++)
         describe(proposed[i], changes[i]);
     check(ctPropose(tree.get(), changes.size(), changes.data()));
+    return true;
 }
 
 bool Scene::hasTrial() const
 {
-    return ctHasTrial(tree.get());
+    return isScaled || ctHasTrial(tree.get());
 }
 
 bool Scene::test()
 {
+    if (isScaled)
+        return testScaled();
     bool clash;
     check(ctTestTrial(tree.get(), &clash, NULL, &counts));
     numQueries++;
@@ -341,6 +363,10 @@ bool Scene::test()
 
 void Scene::getTrialPositions(vector<Vec3>& positions)
 {
+    if (isScaled) {
+        positions = getScaledPositions();
+        return;
+    }
     positions.resize(definition.getNumParticles());
     check(ctGetTrialPositions(tree.get(), coordinatesOf(positions)));
 }
@@ -348,11 +374,17 @@ void Scene::getTrialPositions(vector<Vec3>& positions)
 void Scene::getTrialPositionsOf(const vector<int>& particles, vector<Vec3>& positions)
 {
     positions.resize(particles.size());
+    if (isScaled) {
+        check(ctGetPositionsOf(other.get(), false, particles.size(), particles.data(), coordinatesOf(positions)));
+        return;
+    }
     check(ctGetPositionsOf(tree.get(), true, particles.size(), particles.data(), coordinatesOf(positions)));
 }
 
 const vector<Vec3>& Scene::followTrial()
 {
+    if (isScaled)
+        return getScaledPositions();
     const bool isNew = followed.empty();
     vector<Vec3> made(isNew ? definition.getNumParticles() : 0);
     check(ctFollowTrialPositions(tree.get(), isNew, coordinatesOf(isNew ? made : followed)));
@@ -371,12 +403,19 @@ const vector<Vec3>& Scene::followState()
 
 void Scene::accept()
 {
+    if (isScaled) {
+        exchangeTrees();
+        definition.box = scaledBox;
+        isScaled = false;
+        return;
+    }
     check(ctAccept(tree.get(), &counts));
     energy.accept();
 }
 
 void Scene::reject()
 {
+    isScaled = false;
     if (tree)
         ctReject(tree.get());
 }

@@ -3,6 +3,7 @@
 #include "openmmchaintree/internal/EngineArrays.h"
 #include "openmmchaintree/internal/Scene.h"
 #include <algorithm>
+#include <numeric>
 #include <string>
 
 using namespace ChainTreePlugin;
@@ -289,25 +290,39 @@ SceneEnergy::Handle SceneEnergy::create(ctChainTree* tree, const ctDefinition& s
  */
 ctEnergy* SceneEnergy::require()
 {
-    if (energy)
-        return energy.get();
-    Handle made = create(scene.tree.get(), scene.definition.describe(scene.arrangement));
-    if (!standIn.empty() && ctSetStandIn(made.get(), standIn.data()) != ctSuccess)
-        fail(ctGetEnergyErrorText(made.get()));
-    energy = std::move(made);
-    return energy.get();
+    return require(scene.tree.get(), energy);
+}
+
+/**
+ * Get the library's energy of one of the scene's trees.
+ */
+ctEnergy* SceneEnergy::require(ctChainTree* tree, Handle& handle) const
+{
+    if (handle)
+        return handle.get();
+    Handle made = create(tree, scene.definition.describe(scene.arrangement));
+    if (!standIn.empty())
+        check(ctSetStandIn(made.get(), standIn.data()), made.get());
+    handle = std::move(made);
+    return handle.get();
 }
 
 void SceneEnergy::reset()
 {
     energy.reset();
+    otherEnergy.reset();
     isSaved = false;
 }
 
 void SceneEnergy::check(ctStatus status) const
 {
+    check(status, energy.get());
+}
+
+void SceneEnergy::check(ctStatus status, const ctEnergy* failed) const
+{
     if (status != ctSuccess)
-        fail(ctGetEnergyErrorText(energy.get()));
+        fail(ctGetEnergyErrorText(failed));
 }
 
 void SceneEnergy::countChangeableTerms(vector<int>& counts)
@@ -340,19 +355,24 @@ bool SceneEnergy::update(bool force)
     return true;
 }
 
-/**
- * Get the inverse of the volume of the periodic box, 1/nm^3; 0 without one.
- */
-double SceneEnergy::getInverseVolume() const
-{
-    double box[3][3];
-    return ctGetBox(scene.tree.get(), box) ? 1 / (box[0][0] * box[1][1] * box[2][2]) : 0;
-}
-
 void SceneEnergy::getEnergies(double& pairs, vector<double>& pairSets, vector<double>& termSets)
 {
-    const ctEnergy* energy = require();
-    const double perVolume = getInverseVolume();
+    readEnergies(require(), scene.tree.get(), pairs, pairSets, termSets);
+}
+
+/**
+ * Get the inverse of the volume of a tree's periodic box, 1/nm^3; 0 without one.
+ */
+static double inverseVolumeOf(const ctChainTree* tree)
+{
+    double box[3][3];
+    return ctGetBox(tree, box) ? 1 / (box[0][0] * box[1][1] * box[2][2]) : 0;
+}
+
+void SceneEnergy::readEnergies(const ctEnergy* energy, const ctChainTree* tree, double& pairs, vector<double>& pairSets,
+                               vector<double>& termSets) const
+{
+    const double perVolume = inverseVolumeOf(tree);
     pairs = ctGetPairEnergy(energy);
     if (!terms.nonbonded.empty())
         pairs += terms.nonbonded[0].dispersion * perVolume;
@@ -368,12 +388,17 @@ void SceneEnergy::computeWhole(double& nonbonded, double& born)
 {
     check(ctComputeWholeEnergy(require(), &nonbonded, &born, &scene.counts));
     if (!terms.nonbonded.empty())
-        nonbonded += terms.nonbonded[0].dispersion * getInverseVolume();
+        nonbonded += terms.nonbonded[0].dispersion * inverseVolumeOf(scene.tree.get());
 }
 
 void SceneEnergy::computeValues(bool inTrial, vector<double>& energies)
 {
     energies.resize(terms.valueEnergies.size());
+    if (inTrial && scene.isScaled) {
+        ctEnergy* proposed = require(scene.other.get(), otherEnergy);
+        check(ctComputeValueEnergies(proposed, false, energies.data()), proposed);
+        return;
+    }
     check(ctComputeValueEnergies(require(), inTrial, energies.data()));
 }
 
@@ -396,8 +421,38 @@ void SceneEnergy::restore()
 
 // ---- Trials ----
 
+/**
+ * Sum one part of the energy of a tree's state. Pairs are not divided: all count as near.
+ */
+double SceneEnergy::sumPart(const ctEnergy* energy, const ctChainTree* tree, ctEnergyPart part) const
+{
+    double pairs;
+    vector<double> pairSets, termSets;
+    readEnergies(energy, tree, pairs, pairSets, termSets);
+    if (part == ctTermsPart)
+        return accumulate(termSets.begin(), termSets.end(), 0.0);
+    return part == ctNearPairsPart ? accumulate(pairSets.begin(), pairSets.end(), pairs) : 0;
+}
+
+/**
+ * Compute a part of the change by the open trial, which scales the box.
+ */
+double SceneEnergy::computeScaledChange(ctEnergyPart part)
+{
+    ctEnergy* proposed = require(scene.other.get(), otherEnergy);
+    if (part == ctTermsPart) {
+        update(false);
+        check(ctRefreshEnergy(proposed, &scene.counts), proposed);
+    }
+    const double before = sumPart(energy.get(), scene.tree.get(), part);
+    const double after = sumPart(proposed, scene.other.get(), part);
+    return before == after ? 0 : after - before; // also if both are infinite
+}
+
 double SceneEnergy::computeEnergyChange(ctEnergyPart part)
 {
+    if (scene.isScaled)
+        return computeScaledChange(part);
     double change;
     check(ctComputeEnergyChange(require(), part, &change, &scene.counts));
     return change;
@@ -427,6 +482,7 @@ void SceneEnergy::renewStandIn()
 {
     check(ctRenewStandIn(require(), &scene.counts));
     getStandIn(standIn);
+    otherEnergy.reset();
 }
 
 void SceneEnergy::getStandIn(vector<double>& numbers)
@@ -443,4 +499,5 @@ void SceneEnergy::setStandIn(const vector<double>& numbers)
     if (!numbers.empty())
         check(ctSetStandIn(require(), numbers.data()));
     standIn = numbers;
+    otherEnergy.reset();
 }

@@ -98,6 +98,14 @@ double Scene::computeEnergy(vector<Vec3>& forces)
     return softEnergy;
 }
 
+double Scene::computeSoftEnergy(ctChainTree& tree)
+{
+    double softEnergy;
+    check(ctComputeEnergy(&tree, definition.parameters.forceConstant, &softEnergy, NULL, &counts), &tree);
+    numQueries++;
+    return softEnergy;
+}
+
 bool Scene::hasClash()
 {
     bool clash;
@@ -238,6 +246,8 @@ private:
 
 double Scene::computeSoftEnergyChange()
 {
+    if (isScaled)
+        return computeSoftEnergy(*other) - computeSoftEnergy(*tree);
     SoftTerms terms(definition.parameters);
     if (!(terms.getReach() > 0))
         return 0;

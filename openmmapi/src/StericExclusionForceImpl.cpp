@@ -77,7 +77,7 @@ StericExclusionForceImpl::StericExclusionForceImpl(const StericExclusionForce& o
     CustomCPPForceImpl(owner), owner(owner), life(make_shared<char>()), lock(make_shared<ContextLock>()),
     isInitialized(false), scene(NULL), trialScene(NULL), newest(NULL), otherIsBehind(false),
     trialSpheresWereFree(false), energyTermsOwner(NULL), proposalIsFree(false), settingPositions(false),
-    energyIsSuppressed(false), hasVirtualSites(false)
+    energyIsSuppressed(false), hasVirtualSites(false), leastBoxWidth(0), hasWarnedOfNarrowBox(false)
 {
 }
 
@@ -98,6 +98,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     }
     for (int i = 0; i < system.getNumParticles(); i++)
         hasVirtualSites = hasVirtualSites || system.isVirtualSite(i);
+    leastBoxWidth = 2 * findLargestCutoff(system);
     original.reset(new StericExclusionForce(owner));
     structure.reset(new LinkStructure(system, owner));
     velocities.reset(new VelocityTurner(system, *structure));
@@ -250,9 +251,12 @@ void StericExclusionForceImpl::takeNoticeOfPositions(ContextImpl& context)
     limits.noStepIsUnderWay(); // no other Integrator is in a step when trials begin
 }
 
-void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const vector<Vec3>& positions)
+void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const vector<Vec3>& positions,
+                                                   const BoxVectors& box)
 {
     FlagGuard guard(settingPositions);
+    if (scene->isPeriodic() && getBox(context) != box)
+        context.setPeriodicBoxVectors(box[0], box[1], box[2]);
     context.setPositions(positions);
     computeVirtualSites(context);
 }
@@ -265,8 +269,28 @@ void StericExclusionForceImpl::showState(ContextImpl& context, Scene& shown)
     // A platform may round positions, so agreedPositions are what the Context returns, or empty if this fails.
 
     agreedPositions.clear();
-    setContextPositions(context, shown.followState());
+    setContextPositions(context, shown.followState(), shown.getBox());
     context.getPositions(agreedPositions);
+}
+
+// ---- Scaling of the box ----
+
+/**
+ * Get whether no cutoff of a Force keeps a trial from scaling the box of a scene.
+ */
+bool StericExclusionForceImpl::mayScaleBox(const Scene& scaled, double factor) const
+{
+    const BoxVectors& box = scaled.getBox();
+    return factor == 1 || factor * min(box[0][0], min(box[1][1], box[2][2])) >= leastBoxWidth;
+}
+
+void StericExclusionForceImpl::warnOfNarrowBox()
+{
+    if (hasWarnedOfNarrowBox)
+        return;
+    hasWarnedOfNarrowBox = true;
+    warn("TorsionMonteCarloIntegrator: a trial would make the periodic box narrower than twice the largest cutoff of a "
+         "Force, or than twice the distance at which spheres clash; such volumes are not sampled");
 }
 
 // ---- Two scenes ----

@@ -1,10 +1,17 @@
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmm/CompoundIntegrator.h"
+#include "openmm/CustomGBForce.h"
+#include "openmm/CustomHbondForce.h"
 #include "openmm/CustomIntegrator.h"
+#include "openmm/CustomManyParticleForce.h"
+#include "openmm/CustomNonbondedForce.h"
+#include "openmm/GayBerneForce.h"
+#include "openmm/GBSAOBCForce.h"
 #include "openmm/MonteCarloAnisotropicBarostat.h"
 #include "openmm/MonteCarloBarostat.h"
 #include "openmm/MonteCarloFlexibleBarostat.h"
 #include "openmm/MonteCarloMembraneBarostat.h"
+#include "openmm/NonbondedForce.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
@@ -48,14 +55,52 @@ bool ChainTreePlugin::isBarostat(const Force& force)
            dynamic_cast<const MonteCarloFlexibleBarostat*>(&force) != NULL;
 }
 
+/**
+ * Throw an exception if there is a barostat, with a reason and a remedy.
+ */
+static void checkNoBarostat(const System& system, const string& reason)
+{
+    for (int i = 0; i < system.getNumForces(); i++)
+        if (isBarostat(system.getForce(i)))
+            fail("the System has a barostat (force " + to_string(i) + ", " + system.getForce(i).getName() + "), " +
+                 reason);
+}
+
 void ChainTreePlugin::checkHardSpheres(const System& system)
 {
-    for (int i = 0; i < system.getNumForces(); i++) {
-        const Force* force = &system.getForce(i);
-        if (isBarostat(*force))
-            fail("the System has a barostat (force " + to_string(i) + ", " + force->getName() +
-                 "), which ignores hard spheres; call setStericMode(Soft) or Off, or remove it");
-    }
+    checkNoBarostat(system, "which ignores hard spheres; call setStericMode(Soft) or Off, or remove it");
+}
+
+void ChainTreePlugin::checkVolumeMoves(const System& system, double temperature)
+{
+    checkNoBarostat(system, "which changes the volume, as a volume move does; remove one of them");
+    if (temperature == 0)
+        fail("a volume move needs a temperature above 0");
+}
+
+/**
+ * Get the cutoff of a Force of one of these classes, or 0.
+ */
+template <class... Forces>
+static double findCutoff(const Force& force)
+{
+    double cutoff = 0;
+    auto measure = [&](auto* one) {
+        if (one != NULL && one->usesPeriodicBoundaryConditions())
+            cutoff = one->getCutoffDistance();
+    };
+    (measure(dynamic_cast<const Forces*>(&force)), ...);
+    return cutoff;
+}
+
+double ChainTreePlugin::findLargestCutoff(const System& system)
+{
+    double largest = 0;
+    for (int i = 0; i < system.getNumForces(); i++)
+        largest =
+            max(largest, findCutoff<NonbondedForce, CustomNonbondedForce, CustomGBForce, GBSAOBCForce, CustomHbondForce,
+                                    CustomManyParticleForce, GayBerneForce>(system.getForce(i)));
+    return largest;
 }
 
 vector<pair<int, int>> ChainTreePlugin::findConstraintsBetweenLinks(const System& system,

@@ -3,6 +3,7 @@
 #include "openmm/internal/OSRngSeed.h"
 #include "openmm/kernels.h"
 #include "openmm/OpenMMException.h"
+#include "openmm/reference/SimTKOpenMMRealType.h"
 #include "openmm/serialization/SerializationNode.h"
 #include "openmm/VerletIntegrator.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
@@ -349,6 +350,8 @@ void TorsionMonteCarloIntegrator::bindTo(ContextImpl& contextRef)
     bindEnergies(found, contextRef);
     if (native->getStericMode() == Hard)
         checkHardSpheres(system);
+    if (moves->changeVolume())
+        checkVolumeMoves(system, temperature);
     lock = found.getLock();
     force = &found;
     forceLife = found.getLife();
@@ -738,11 +741,15 @@ static bool runTrial(MoveList::Entry& entry, TrialSession& trials, EnergyStages&
         entry.counts.clashed++;
         return false;
     }
-    const double logRatio = entry.move->computeLogRatio(trials);
+    double logRatio = entry.move->computeLogRatio(trials);
     if (logRatio == -numeric_limits<double>::infinity()) {
         trials.reject();
         entry.counts.impossible++;
         return false;
+    }
+    if (entry.move->changesVolume()) {
+        logRatio -= entry.move->computeWork(trials) / (BOLTZ * temperature);
+        rule = EnergyStages::DecideBySum;
     }
     if (!stages.decide(trials, logRatio, temperature, rule, random)) {
         trials.reject();
@@ -766,6 +773,8 @@ void TorsionMonteCarloIntegrator::checkBeforeSteps()
     const bool isHard = (native->getStericMode() == Hard);
     if (isHard)
         checkHardSpheres(system);
+    if (moves->changeVolume())
+        checkVolumeMoves(system, temperature);
     if (isHard && isBesideDynamics && !hasWarnedOfHardSpheres) {
         hasWarnedOfHardSpheres = true;
         warn("TorsionMonteCarloIntegrator: hard spheres beside dynamics: dynamics has no limits, so the two sample "

@@ -54,14 +54,18 @@ void TrialSession::updateLimits()
         force.limits.update();
 }
 
-void TrialSession::propose(const Proposal& proposal)
+bool TrialSession::propose(const Proposal& proposal)
 {
     updateLimits();
-    scene.propose(proposal);
+    if (!force.mayScaleBox(scene, proposal.getBoxFactor()) || !scene.propose(proposal)) {
+        force.warnOfNarrowBox();
+        return false;
+    }
     ownsTrial = true;
     force.proposalIsFree = false;
     if (&scene != force.scene)
         force.scene->reject(); // that of a user
+    return true;
 }
 
 bool TrialSession::test()
@@ -105,7 +109,7 @@ double TrialSession::computeOtherEnergy(int groups)
 void TrialSession::showProposal()
 {
     contextIsBehind = true;
-    force.setContextPositions(context, scene.followTrial());
+    force.setContextPositions(context, scene.followTrial(), scene.getTrialBox());
 }
 
 void TrialSession::showState()

@@ -16,6 +16,7 @@ _DIMENSIONS = {
     "rad": (unit.radian, "an angle (rad)"),
     "K": (unit.kelvin, "a temperature (K)"),
     "kJ/mol/nm^2": (unit.kilojoule_per_mole / unit.nanometer**2, "a force constant (kJ/mol/nm^2)"),
+    "bar": (unit.bar, "a pressure (bar)"),
     "nm^-2": (unit.nanometer**-2, "an inverse square of a length (nm^-2)"),
     "1": (unit.dimensionless, "a number without unit"),
 }
@@ -32,7 +33,7 @@ def inUnit(value, symbol, name):
     value : number, sequence or Quantity
         returned unchanged if it has no unit; a sequence may hold Quantities
     symbol : str
-        "nm", "rad", "K", "kJ/mol/nm^2", "nm^-2" or "1"
+        "nm", "rad", "K", "kJ/mol/nm^2", "bar", "nm^-2" or "1"
     name : str
         the parameter, for the error message
 

@@ -18,7 +18,7 @@ _STUB = ast.parse((_PACKAGE / "openmmchaintree.pyi").read_text(encoding="utf-8")
 _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDef)}
 _CLASSES = ("StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
-_UNIT = re.compile(r"\b(nm|radians|Kelvin|K|kJ/mol(?:/nm\^2)?)\b")
+_UNIT = re.compile(r"\b(nm|bar|radians|Kelvin|K|kJ/mol(?:/nm\^2)?)\b")
 _TUPLES = (
     "TraversalStatistics",
     "MoveStatistics",
@@ -157,7 +157,7 @@ def test_everyNumberHasItsUnit(name):
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
             # Weights, widths of logarithms, shares and factors are numbers without unit.
-            assert parameter in ("weight", "width", "hop", "scale") or _UNIT.search(description), (
+            assert parameter in ("weight", "width", "hop", "scale", "maxChange") or _UNIT.search(description), (
                 f"{method}: {parameter}"
             )
         if ast.unparse(stub.returns) == "Quantity":

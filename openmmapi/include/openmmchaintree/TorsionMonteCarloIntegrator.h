@@ -271,7 +271,11 @@ public:
         /**
          * A move added by addCrankshaftMove().
          */
-        CrankshaftMove = 6
+        CrankshaftMove = 6,
+        /**
+         * A move added by addVolumeMove().
+         */
+        VolumeMove = 7
     };
     /**
      * Who evaluates the energy of a Force for a trial.
@@ -666,6 +670,35 @@ public:
     int addCrankshaftMove(double weight, double maxAngle, const std::vector<int>& ballJoints = std::vector<int>(),
                           int window = 8);
     /**
+     * Add a move that changes the volume V of the periodic box at constant pressure P. With it, steps sample
+     *
+     *     pi(x, V) ~ exp(-(U(x, V) + P V)/kT),
+     *
+     * with the spheres' part as in the class description. All box vectors are multiplied by one factor, so the box
+     * keeps its shape; and so are the centroids (mean positions) of all molecules, which move as rigid bodies, as
+     * MonteCarloBarostat does it. A molecule is one of the StericExclusionForce, a single particle included.
+     *
+     * A trial changes ln V by a uniform amount from -maxChange to maxChange. With N molecules it is accepted with the
+     * probability
+     *
+     *     min(1, exp(-(dU + P dV)/kT) (V'/V)^(N+1)).
+     *
+     * A trial recomputes the whole energy, so give this move a weight of about 1/N of the others. The Context's
+     * periodic box vectors follow at the end of each step. setAdaptMoveSizes() finds a suitable size.
+     *
+     * It is an error, found when the Context is made, if the StericExclusionForce does not use periodic boundary
+     * conditions, or a molecule has fixed particles; and, at the latest when a step begins, if the System has a
+     * barostat or the temperature is 0. A box never becomes narrower than twice the largest cutoff of a Force, or than
+     * twice the distance at which spheres clash: such trials are rejected, and a warning says so. Then use a larger
+     * System, since it cannot reach the volumes that the pressure asks for.
+     *
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param pressure   the pressure, at least 0, in bar
+     * @param maxChange  the largest change of ln V, above 0 and at most 1; 0.01 is about 1 % of the volume
+     * @return the index of the move that was added
+     */
+    int addVolumeMove(double weight, double pressure, double maxChange);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -763,6 +796,15 @@ public:
     void getCrankshaftMoveParameters(int move, double& weight, double& maxAngle, std::vector<int>& ballJoints,
                                      int& window) const;
     /**
+     * Get the parameters of a move that was added by addVolumeMove(). It is an error if the move is of another kind.
+     *
+     * @param move            the index of the move
+     * @param[out] weight     how often this move is drawn, relative to the weights of the others
+     * @param[out] pressure   the pressure, in bar
+     * @param[out] maxChange  the largest change of the logarithm of the volume
+     */
+    void getVolumeMoveParameters(int move, double& weight, double& pressure, double& maxChange) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move restart from 0.
      *
@@ -855,6 +897,16 @@ public:
      */
     void setCrankshaftMoveParameters(int move, double weight, double maxAngle,
                                      const std::vector<int>& ballJoints = std::vector<int>(), int window = 8);
+    /**
+     * Set the parameters of a move that was added by addVolumeMove(), which explains them. It is an error if the move
+     * is of another kind. The next trial follows them. The counts of the move restart from 0.
+     *
+     * @param move       the index of the move
+     * @param weight     how often this move is drawn, relative to the weights of the others, at least 0
+     * @param pressure   the pressure, at least 0, in bar
+     * @param maxChange  the largest change of ln V, above 0 and at most 1
+     */
+    void setVolumeMoveParameters(int move, double weight, double pressure, double maxChange);
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

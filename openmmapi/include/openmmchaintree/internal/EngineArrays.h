@@ -26,6 +26,11 @@ inline const double (*rowsOf(const std::array<OpenMM::Vec3, 3>& vectors))[3]
     return reinterpret_cast<const double(*)[3]>(vectors.data());
 }
 
+inline double (*rowsOf(std::array<OpenMM::Vec3, 3>& vectors))[3]
+{
+    return reinterpret_cast<double(*)[3]>(vectors.data());
+}
+
 template <size_t N>
 const int (*rowsOf(const std::vector<std::array<int, N>>& arrays))[N]
 {

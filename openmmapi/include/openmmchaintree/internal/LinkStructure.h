@@ -61,6 +61,13 @@ public:
         return links;
     }
     /**
+     * Whether pairs count in all images of a periodic box.
+     */
+    bool isPeriodic() const
+    {
+        return periodic;
+    }
+    /**
      * All molecules, in the order of their lowest-numbered particles.
      */
     const std::vector<Molecule>& getMolecules() const
@@ -188,6 +195,7 @@ private:
     void orderLinks();
     void findClosures(const BondGraph& graph, const StericExclusionForce& force);
     std::vector<int> findRootward(int link) const;
+    bool periodic;
     std::vector<Link> links;
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;

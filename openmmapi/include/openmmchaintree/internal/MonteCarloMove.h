@@ -156,6 +156,18 @@ public:
      */
     virtual double computeLogRatio(TrialSession& trials);
     /**
+     * Get whether trials scale the periodic box, so that all of U changes. Their stages decide by the sum of changes.
+     */
+    virtual bool changesVolume() const
+    {
+        return false;
+    }
+    /**
+     * Get the work of the open trial, an energy in kJ/mol that decides about it together with the change of U. The
+     * default is 0.
+     */
+    virtual double computeWork(TrialSession& trials);
+    /**
      * Get whether the trials of this move have a size, which setScale() scales.
      */
     virtual bool hasSize() const

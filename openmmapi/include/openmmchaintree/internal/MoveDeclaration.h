@@ -80,6 +80,18 @@ public:
 };
 
 /**
+ * A share of the whole, above 0 and at most 1, that the scale of the move multiplies.
+ */
+class Fraction : public Number {
+public:
+    Fraction(const std::string& name, double value, const std::string& text) : Number(name, value, text, "1", 0, 1)
+    {
+        mayBeLeast = false;
+        isSize = true;
+    }
+};
+
+/**
  * A number of things.
  */
 class Count : public MoveParameter {

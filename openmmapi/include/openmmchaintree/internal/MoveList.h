@@ -98,6 +98,10 @@ public:
      */
     double sumWeights() const;
     /**
+     * Get whether a move that can be drawn changes the volume.
+     */
+    bool changeVolume() const;
+    /**
      * Draw a move by its weight.
      *
      * @param weightSum  the result of sumWeights()

@@ -7,7 +7,8 @@
 namespace ChainTreePlugin {
 
 /**
- * The changes of a trial, each of another torsion, ball joint or molecule of the LinkStructure.
+ * The changes of a trial, each of another torsion, ball joint or molecule of the LinkStructure; or the scaling of the
+ * periodic box.
  */
 class Proposal {
 public:
@@ -45,11 +46,28 @@ public:
         return *this;
     }
     /**
+     * Multiply the vectors of the periodic box, and the centroid of each molecule, which moves as a rigid body. Such a
+     * proposal has no other changes.
+     */
+    Proposal& scaleBox(double factor)
+    {
+        boxFactor = factor;
+        return *this;
+    }
+    /**
+     * Get the factor of the periodic box; 1 if it keeps its vectors.
+     */
+    double getBoxFactor() const
+    {
+        return boxFactor;
+    }
+    /**
      * Remove all changes. Their memory stays allocated for the next trial.
      */
     void clear()
     {
         changes.clear();
+        boxFactor = 1;
     }
     const std::vector<Change>& getChanges() const
     {
@@ -68,6 +86,7 @@ private:
         return change;
     }
     std::vector<Change> changes;
+    double boxFactor = 1;
 };
 
 } // namespace ChainTreePlugin

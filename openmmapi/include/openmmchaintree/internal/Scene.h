@@ -67,6 +67,13 @@ public:
         return definition.box;
     }
     /**
+     * Get the box of the open trial.
+     */
+    const BoxVectors& getTrialBox() const
+    {
+        return isScaled ? scaledBox : definition.box;
+    }
+    /**
      * Make these positions the state. Drops the open trial, keeps limits.
      */
     void setPositions(const std::vector<OpenMM::Vec3>& positions)
@@ -155,10 +162,15 @@ public:
 
     // ---- Trials. Each proposal drops the trial that was open ----
 
-    void propose(const Proposal& proposal);
+    /**
+     * Propose a trial. Returns false, with no trial open, if it scales the box so that this is narrower than twice the
+     * distance at which spheres can clash.
+     */
+    bool propose(const Proposal& proposal);
     bool hasTrial() const;
     /**
-     * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
+     * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit, or
+     * no pair at all if it scales the box.
      */
     bool test();
     void getTrialPositions(std::vector<OpenMM::Vec3>& positions);
@@ -177,7 +189,8 @@ public:
      */
     double computeSoftEnergyChange();
     /**
-     * Get the pairs whose distance the open trial changes and that are within the cutoff before or after it, sorted.
+     * Get the pairs whose distance the open trial changes and that are within the cutoff before or after it, sorted. It
+     * is an error if the trial scales the box.
      */
     void getChangedNeighborPairs(double cutoff, std::vector<std::pair<int, int>>& pairs, std::vector<double>& before,
                                  std::vector<double>& after);
@@ -208,9 +221,17 @@ private:
     struct SavedState {
         bool exists = false;
         std::vector<double> numbers;
+        BoxVectors box;
         PairList limitedPairs;
         std::vector<double> limits;
+        /** Whether the tree that was saved, with its energy, is now the other one. */
+        bool isInOther = false;
     };
+    bool proposeScaled(double factor);
+    void exchangeTrees();
+    bool testScaled();
+    const std::vector<OpenMM::Vec3>& getScaledPositions();
+    double computeSoftEnergy(ctChainTree& tree);
     static Tree createTree(const SceneDefinition& definition, const std::vector<OpenMM::Vec3>& positions);
     void setTree(Tree created, std::vector<OpenMM::Vec3> positions);
     void setListed(std::vector<uint8_t> needed);
@@ -218,12 +239,19 @@ private:
     void describe(const Proposal::Change& proposed, ctChange& change) const;
     void readLimits(PairList& pairs, std::vector<double>& limits) const;
     void copyLimits(ctChainTree* created) const;
+    void check(ctStatus status, const ctChainTree* failed) const;
     ctSelection* prepare(const std::vector<int>& particles, PreparedSet& set) const;
     SceneDefinition definition;
     /** The engine's scene. It is made when there are positions, because its layout depends on them. */
     Tree tree;
     /** The positions from which it was made. */
     std::vector<OpenMM::Vec3> arrangement;
+    /** A second tree of the same layout, in which trials that scale the box are made; NULL until the first. */
+    Tree other;
+    /** Whether the open trial is the state of the other tree; then its box and positions. */
+    bool isScaled = false;
+    BoxVectors scaledBox;
+    std::vector<OpenMM::Vec3> scaledPositions;
     SceneEnergy energy;
     SavedState saved;
     /** The changes of a trial in the engine's form. They stay allocated from trial to trial. */

@@ -76,14 +76,26 @@ private:
     typedef std::unique_ptr<ctEnergy, Deleter> Handle;
     Handle create(ctChainTree* tree, const ctDefinition& definition) const;
     ctEnergy* require();
+    ctEnergy* require(ctChainTree* tree, Handle& handle) const;
+    void readEnergies(const ctEnergy* energy, const ctChainTree* tree, double& pairs, std::vector<double>& pairSets,
+                      std::vector<double>& termSets) const;
+    double sumPart(const ctEnergy* energy, const ctChainTree* tree, ctEnergyPart part) const;
+    double computeScaledChange(ctEnergyPart part);
     void check(ctStatus status) const;
+    void check(ctStatus status, const ctEnergy* failed) const;
     std::vector<uint8_t> findListed() const;
     int getStandInSize() const;
-    double getInverseVolume() const;
     /**
      * Free the energy, because its tree ends.
      */
     void reset();
+    /**
+     * Take notice that the scene has exchanged its trees.
+     */
+    void exchange()
+    {
+        energy.swap(otherEnergy);
+    }
     void accept();
     void save();
     void restore();
@@ -91,6 +103,8 @@ private:
     EnergyTerms terms;
     /** The library's energy, which is made from the scene's tree at its first use. */
     Handle energy;
+    /** The same for the scene's other tree. */
+    Handle otherEnergy;
     /** The numbers of the stand-in, which outlive the tree; empty until they are set or renewed. */
     std::vector<double> standIn;
     /** Whether save() has saved an energy. */

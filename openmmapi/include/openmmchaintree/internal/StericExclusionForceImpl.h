@@ -202,7 +202,10 @@ private:
     bool propose(OpenMM::ContextImpl& context, const Proposal& proposal);
     void requireProposal() const;
     void computeVirtualSites(OpenMM::ContextImpl& context);
-    void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions);
+    void setContextPositions(OpenMM::ContextImpl& context, const std::vector<OpenMM::Vec3>& positions,
+                             const BoxVectors& box);
+    bool mayScaleBox(const Scene& scaled, double factor) const;
+    void warnOfNarrowBox();
     void showState(OpenMM::ContextImpl& context, Scene& shown);
     void setTrialScene(Scene& wanted);
     void bringUpToDate(Scene& behind);
@@ -239,6 +242,9 @@ private:
     /** Whether the open trial was found to be free of clashes. */
     bool proposalIsFree;
     bool settingPositions, energyIsSuppressed, hasVirtualSites;
+    /** The least width of a periodic box for the cutoffs of all Forces, in nm. */
+    double leastBoxWidth;
+    bool hasWarnedOfNarrowBox;
 };
 
 } // namespace ChainTreePlugin

@@ -36,6 +36,17 @@ bool isBarostat(const OpenMM::Force& force);
 void checkHardSpheres(const OpenMM::System& system);
 
 /**
+ * Throw an OpenMMException if volume moves are impossible: a barostat changes the volume, too, or the temperature is 0.
+ */
+void checkVolumeMoves(const OpenMM::System& system, double temperature);
+
+/**
+ * Get the largest cutoff of all Forces with periodic boundary conditions, as far as this library knows their classes;
+ * 0 if there is none.
+ */
+double findLargestCutoff(const OpenMM::System& system);
+
+/**
  * Warn if positions violate constraints by more than the rounding of a file in ångström with three decimals.
  */
 void warnOfViolatedConstraints(const OpenMM::System& system, const std::vector<OpenMM::Vec3>& positions);

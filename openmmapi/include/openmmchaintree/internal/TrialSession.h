@@ -56,9 +56,10 @@ public:
      */
     void leaveOpen();
     /**
-     * Propose a trial. This rejects the trial that was open.
+     * Propose a trial. This rejects the trial that was open. Returns false, with no trial open, if it scales the
+     * periodic box so that this is too narrow for spheres or for the cutoff of a Force; the user is warned once.
      */
-    void propose(const Proposal& proposal);
+    bool propose(const Proposal& proposal);
     /**
      * Test the open trial. Returns true if it is free: no pair whose distance it changes overlaps beyond its limit.
      */
@@ -71,6 +72,17 @@ public:
      * Reject the open trial.
      */
     void reject();
+    /**
+     * Get the vectors of the periodic box before the open trial, or in it.
+     */
+    const BoxVectors& getBox() const
+    {
+        return scene.getBox();
+    }
+    const BoxVectors& getProposedBox() const
+    {
+        return scene.getTrialBox();
+    }
     /**
      * Get the positions of a few particles before the open trial. Takes O(log N) time for each of them.
      */
