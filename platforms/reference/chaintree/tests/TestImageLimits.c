@@ -76,14 +76,12 @@ static bool testPair(const double (*box)[3], const int n[3], double excess) {
 /* A trial that clashed with an image is tested again in a wider box, in which that image is elsewhere. */
 static void testWiderBox(void) {
   const double box[2][3][3] = {{{3, 0, 0}, {0, 3, 0}, {0, 0, 3}}, {{3.4, 0, 0}, {0, 3.4, 0}, {0, 0, 3.4}}};
-  const int n[3] = {1, 0, 0};
-  double positions[3 * COUNT];
-  const ctDefinition definition = describeBeads(positions, box[0]);
+  double positions[3 * COUNT] = {0};
+  ctDefinition definition = describeBeads(positions, box[0]);
+  const double near[3 * COUNT] = {0.06, 0.06, 0.06, 1.5, 1.5, 1.5, 2.94, 2, 2};
+  definition.positions = near;
   ctChainTree* tree = checkedCreate(&definition);
-  ctChange change = {.link = 1};
-  for (int d = 0; d < 3; d++) {
-    change.translation[d] = positions[d] + n[0] * box[0][0][d] - positions[3 + d];
-  }
+  ctChange change = {.link = 1, .translation = {2.81 - 1.5, 0.06 - 1.5, 0.06 - 1.5}};
   CHECK(ctSwitchTester(tree, "fewMovers", false));
   for (int k = 0; k < 2; k++) {
     bool clash;
