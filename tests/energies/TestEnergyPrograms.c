@@ -77,6 +77,8 @@ static void describeNonbonded(Program* p)
     d->cutoff = randomChance(&p->random, 0.3) ? INFINITY : randomReal(&p->random, 0.2, 1.5);
     d->switchingDistance = randomReal(&p->random, 0.4, 1.4) * (isfinite(d->cutoff) ? d->cutoff : 1);
     d->dielectric = randomReal(&p->random, 1, 80);
+    if (isfinite(d->cutoff) && randomChance(&p->random, 0.3))
+        d->ewaldAlpha = randomReal(&p->random, 1, 6) / d->cutoff;
     d->exclusionCount = randomInt(&p->random, 3 * count);
     int(*exclusions)[2] = allocate(d->exclusionCount, sizeof *exclusions);
     for (int n = 0; n < d->exclusionCount; n++) {

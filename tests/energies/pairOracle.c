@@ -25,7 +25,9 @@ static PairSum pairEnergy(const ctNonbonded* d, int i, int j, long double r)
     long double twelfth = 4 * epsilon * powl(sigma / r, 12), sixth = 4 * epsilon * powl(sigma / r, 6);
     long double coulomb = charges / r;
     long double field = 0;
-    if (hasCutoff) {
+    if (d->ewaldAlpha > 0)
+        field = -charges * erfl((long double)d->ewaldAlpha * r) / r;
+    else if (hasCutoff) {
         long double both = 2 * (long double)d->dielectric + 1;
         field =
             charges * ((d->dielectric - 1) / both / powl(d->cutoff, 3) * r * r - 3 * d->dielectric / both / d->cutoff);

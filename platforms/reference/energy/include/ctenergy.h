@@ -19,7 +19,8 @@
  *
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
  * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
- * of expressions may differ, which use its exp, log, sin and the like, and of torsions by their phases' cosines.
+ * of expressions may differ, which use its exp, log, sin and the like, of torsions by their phases' cosines, and of
+ * Ewald summation by its erf.
  *
  * Periodic boxes. In a scene with a box, pairs count in the image that is within the cutoff, which is at most half the
  * box's width. Terms are of the particles as they are, or of nearest images, see ctTermSet.isPeriodic: each difference
@@ -53,17 +54,20 @@ typedef struct ctEnergy ctEnergy;
 /* Lennard-Jones and Coulomb between all particles: 4 epsilon ((sigma / r)^12 - (sigma / r)^6) + CT_COULOMB q1 q2 / r,
  * with sigma the mean of both particles' and epsilon the root of their product. With a cutoff, Coulomb becomes that of
  * a reaction field, CT_COULOMB q1 q2 (1 / r + k r^2 - c), k = (d - 1) / ((2 d + 1) cutoff^3), c = 3 d / ((2 d + 1)
- * cutoff), d the dielectric. From the switching distance s to the cutoff, Lennard-Jones is multiplied by 1 - 10 t^3 +
- * 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). All numbers are finite, but for a cutoff that is INFINITY. */
+ * cutoff), d the dielectric. With an ewaldAlpha it is CT_COULOMB q1 q2 erfc(ewaldAlpha r) / r, the direct space of
+ * Ewald summation without its correction for excluded pairs. From the switching distance s to the cutoff,
+ * Lennard-Jones is multiplied by 1 - 10 t^3 + 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). All numbers are finite, but
+ * for a cutoff that is INFINITY. */
 typedef struct ctNonbonded {
   const double* charges;    /* one a particle */
   const double* sigmas;     /* one a particle, nm */
   const double* epsilons;   /* one a particle, kJ/mol, >= 0 */
   double cutoff;            /* nm, > 0; INFINITY: none, and the next two are not read */
   double switchingDistance; /* nm, >= 0; not below the cutoff, or INFINITY: no switch */
-  double dielectric;        /* k and c have to be finite */
+  double dielectric;        /* k and c have to be finite; not read with an ewaldAlpha */
   int exclusionCount;
   const int (*exclusions)[2]; /* pairs that have no part in this, either order; repeats are harmless */
+  double ewaldAlpha;          /* 1/nm, at most 6 / cutoff; 0: none. Not with born */
 } ctNonbonded;
 
 /* Kinds of terms, with their particles and parameters, which are finite but for those of expressions. */

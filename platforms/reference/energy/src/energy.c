@@ -82,6 +82,10 @@ static ctStatus build(ctEnergy* energy, const ctEnergyDefinition* d, char* error
     snprintf(errorText, errorSize, "a Born energy needs a nonbonded energy and a stand-in");
     return ctInvalidArgument;
   }
+  if (d->born != NULL && d->nonbonded->ewaldAlpha != 0) {
+    snprintf(errorText, errorSize, "a Born energy needs Coulomb energies without Ewald summation");
+    return ctInvalidArgument;
+  }
   if (!ctHasStructure(energy->tree, d->scene)) {
     snprintf(errorText, errorSize, "the scene was not made from the definition that the energy names");
     return ctInvalidArgument;

@@ -4,6 +4,7 @@
 
 #include "cachelines.h"
 #include "ctenergy.h"
+#include "ewald.h"
 
 /* Where the particles of a leaf are, in single precision: from a centre among them, so that rounding does not grow with
  * the scene. Centres are multiples of FRAME_GRID, so that the float from one centre to another is exact. */
@@ -51,12 +52,14 @@ typedef struct LeafColumns {
 typedef struct Potential {
   bool hasCutoff;
   bool hasSwitch;
+  bool isEwald; /* there is no reaction field */
   float squaredCutoff;
-  float k; /* of the reaction field; 0 without a cutoff */
+  float k; /* of the reaction field; 0 without one */
   float c;
   float switchingDistance;
   float inverseSwitchWidth;
   double exact[5]; /* cutoff^2, k, c, switching distance, inverse width */
+  EwaldPolynomial ewald;
 } Potential;
 
 /* One of the two leaves of a pair. */

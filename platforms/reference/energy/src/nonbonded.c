@@ -11,7 +11,10 @@ static void setPotential(Potential* p, const ctNonbonded* d) {
   p->hasCutoff = isfinite(d->cutoff);
   p->hasSwitch = p->hasCutoff && d->switchingDistance < d->cutoff;
   p->exact[0] = p->hasCutoff ? d->cutoff * d->cutoff : INFINITY;
-  if (p->hasCutoff) {
+  p->isEwald = d->ewaldAlpha > 0;
+  if (p->isEwald) {
+    ctEwaldCreate(d->ewaldAlpha, d->cutoff, &p->ewald);
+  } else if (p->hasCutoff) {
     const double both = 2 * d->dielectric + 1;
     p->exact[1] = (d->dielectric - 1) / (both * d->cutoff * d->cutoff * d->cutoff);
     p->exact[2] = 3 * d->dielectric / (both * d->cutoff);
@@ -62,12 +65,16 @@ static bool isWrong(int particleCount, const ctNonbonded* d, const int* slotOf, 
     return snprintf(errorText, errorSize, "the switching distance is %g nm, but has to be at least 0",
                     d->switchingDistance) > 0;
   }
+  if (!(d->ewaldAlpha >= 0 && (d->ewaldAlpha == 0 || d->ewaldAlpha * d->cutoff <= CT_MOST_EWALD))) {
+    return snprintf(errorText, errorSize, "alpha is %g / nm, but with a cutoff of %g nm it has to be from 0 to %g / nm",
+                    d->ewaldAlpha, d->cutoff, CT_MOST_EWALD / d->cutoff) > 0;
+  }
   Potential p;
   setPotential(&p, d);
-  if (p.hasCutoff && !(isfinite(p.k) && isfinite(p.c) && isfinite(p.inverseSwitchWidth))) {
+  if (p.hasCutoff && !(isfinite(p.k) && isfinite(p.c) && isfinite(p.inverseSwitchWidth) && isfinite(p.ewald.scale))) {
     return snprintf(errorText, errorSize,
-                    "a reaction field of dielectric %g with a cutoff of %g nm and a switch from %g nm is not finite",
-                    d->dielectric, d->cutoff, d->switchingDistance) > 0;
+                    "the potential of a cutoff of %g nm, a dielectric of %g and a switch from %g nm is not finite",
+                    d->cutoff, d->dielectric, d->switchingDistance) > 0;
   }
   return false;
 }
@@ -135,8 +142,9 @@ static double exactEnergy(const Nonbonded* nonbonded, const LeafSide* a, const L
         const double t = (distance - exact[3]) * exact[4];
         energy *= switchFactor(t);
       }
-      sum += energy + (double)a->columns->charge[k] * (double)b->columns->charge[l] *
-                          (1 / distance + exact[1] * squared - exact[2]);
+      const double others = nonbonded->potential.isEwald ? -ctEwaldSmooth(&nonbonded->potential.ewald, squared)
+                                                         : exact[1] * squared - exact[2];
+      sum += energy + (double)a->columns->charge[k] * (double)b->columns->charge[l] * (1 / distance + others);
     }
   }
   return sum;

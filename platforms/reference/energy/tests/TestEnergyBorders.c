@@ -343,6 +343,18 @@ static void testNonbonded(void) {
   REFUSE_NUMBERS(nonbonded.switchingDistance, ((const double[]){NAN, -INFINITY, -1}));
   REFUSE_NUMBERS(nonbonded.dielectric, notFinite);
   REFUSE_NUMBERS(nonbonded.dielectric, ((const double[]){-0.5}));
+  REFUSE_NUMBERS(nonbonded.ewaldAlpha, notFinite);
+  REFUSE_NUMBERS(nonbonded.ewaldAlpha, ((const double[]){-5e-324, -1, 6.001 / 1.8}));
+  const double ewaldAlphas[] = {5e-324, 1e-40, 2.5, 5.999 / 1.8};
+  for (EACH(i, ewaldAlphas)) {
+    nonbonded.ewaldAlpha = ewaldAlphas[i];
+    if (hasBorn) {
+      checkRefused(__LINE__, "nonbonded.ewaldAlpha");
+    } else {
+      checkTaken(__LINE__, "nonbonded.ewaldAlpha");
+    }
+    describe();
+  }
   const double largeCutoffs[] = {1e9, 1e15, 1e17, 1e19, 1e30, 1e200, 1.7e308, INFINITY};
   TAKE_NUMBERS(nonbonded.cutoff, largeCutoffs);
   const double switches[] = {0, 5e-324, 1.7, 1.8, 1e300, INFINITY};

@@ -96,6 +96,8 @@ static void fillModel(Model* m, double width) {
     m->first[i] = 2 * i % PARTICLES;
     m->all[i] = i;
   }
+  m->sigmas[3] = 1e10; /* overflows in single precision */
+  m->epsilons[3] = 0;
   for (int c = 0, bond = 0, angle = 0, torsion = 0; c < CHAINS; c++) {
     for (int i = c * BEADS; i < (c + 1) * BEADS; i++) {
       for (int k = 0; k < 2 && i > c * BEADS; k++) {
@@ -223,7 +225,9 @@ static void computeEnergies(const Model* m, const ctEnergyDefinition* d, const d
       const double ratio = pow((m->sigmas[i] + m->sigmas[j]) / 2 / r, 6);
       const double lennardJones = 4 * sqrt(m->epsilons[i] * m->epsilons[j]) * (ratio * ratio - ratio) *
                                   switched(r, d->nonbonded->switchingDistance, c);
-      const double coulomb = CT_COULOMB * m->charges[i] * m->charges[j] * (1 / r + k * r * r - shift);
+      const double alpha = d->nonbonded->ewaldAlpha;
+      const double coulomb =
+          CT_COULOMB * m->charges[i] * m->charges[j] * (alpha > 0 ? erfc(alpha * r) / r : 1 / r + k * r * r - shift);
       energies->value[0] += lennardJones + coulomb;
       energies->size += (fabs(lennardJones) + fabs(coulomb)) * (1 + 1 / r);
       if ((i % 2 == 0 || j % 2 == 0) && r < d->pairSets[0].cutoff) {
@@ -404,6 +408,9 @@ static void checkDrift(const Model* m, ctChainTree* tree, ctEnergy* energy, cons
   CHECK_NEAR(ofValues, expected, 1e-6 * size);
 }
 
+/* Alpha of Ewald summation times the cutoff; 0: a reaction field instead. */
+static double reach;
+
 static void testBox(const double (*box)[3]) {
   static Model model;
   static double positions[3 * PARTICLES];
@@ -417,6 +424,8 @@ static void testBox(const double (*box)[3]) {
   fillModel(&model, fmin(fmin(box[0][0], box[1][1]), box[2][2]));
   scene.listed = model.listed;
   const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets, &values);
+  nonbonded.ewaldAlpha = reach / model.cutoff;
+  nonbonded.switchingDistance = reach == 2.5 ? INFINITY : nonbonded.switchingDistance;
   ctChainTree* tree = checkedCreate(&scene);
   ctEnergy* energy;
   CHECK(ctCreateEnergy(tree, &definition, &energy, text, sizeof text) == ctSuccess);
@@ -505,7 +514,10 @@ static void testNarrowBox(void) {
 int main(void) {
   testNarrowBox();
   for (int box = 0; box < BOXES; box++) {
-    checkInstructionSets(testBox, boxes[box], 1 + (uint32_t)box);
+    for (int n = 0; n < 3; n++) {
+      reach = ((const double[]){0, 2.5, 4})[n];
+      checkInstructionSets(testBox, boxes[box], 1 + (uint32_t)box);
+    }
   }
   return checkResult();
 }

@@ -43,7 +43,7 @@ static void testConstants(void) {
 
 /* With cutoffs beyond the scene, all that the stand-in misses is that pairs vanish at its cutoff. */
 static void testBeyond(void) {
-  const ctNonbonded all = {charges, sigmas, epsilons, INFINITY, INFINITY, 1, BEADS, (const int(*)[2])exclusions};
+  const ctNonbonded all = {charges, sigmas, epsilons, INFINITY, INFINITY, 1, BEADS, (const int(*)[2])exclusions, 0};
   const ctStandIn wide = {.bornCutoff = 1e4, .pairCutoff = 1e4, .gridWidth = 1e-3};
   const ctEnergyDefinition d = {.scene = &scene, .nonbonded = &all, .born = &bornOfBeads, .standIn = &wide};
   described = &d;

@@ -4,10 +4,24 @@
 #include "sums.h"
 #include "switching16.h"
 
+/* erf(alpha r) / r: even and odd powers apart, which depend on each other less. */
+CT_INLINE Float16 smoothCoulomb(const EwaldPolynomial* polynomial, Float16 squared) {
+  const float* c = polynomial->coefficients;
+  const Float16 t = sub16(mul16(squared, all16(polynomial->scale)), all16(1));
+  const Float16 t2 = mul16(t, t);
+  Float16 even = all16(c[polynomial->count - 2]);
+  Float16 odd = all16(c[polynomial->count - 1]);
+  for (int k = polynomial->count - 4; k >= 0; k -= 2) {
+    even = add16(mul16(even, t2), all16(c[k]));
+    odd = add16(mul16(odd, t2), all16(c[k + 1]));
+  }
+  return add16(even, mul16(odd, t));
+}
+
 /* The energy of the particles of side a in `rows`, against all of side b, whose centre is at `shift` from a's.
- * Constants for `hasCutoff`, `hasSwitch` and `isMasked` make a function for each case. */
+ * Constants for `hasCutoff`, `hasSwitch`, `isEwald` and `isMasked` make a function for each case. */
 CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3],
-                         unsigned rows, bool hasCutoff, bool hasSwitch, bool isMasked) {
+                         unsigned rows, bool hasCutoff, bool hasSwitch, bool isEwald, bool isMasked) {
   const Float16 xb = add16(load16(b->frame->x), all16(shift[0]));
   const Float16 yb = add16(load16(b->frame->y), all16(shift[1]));
   const Float16 zb = add16(load16(b->frame->z), all16(shift[2]));
@@ -37,7 +51,9 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
             mul16(lennardJones, switchFactor16(distance, potential->switchingDistance, potential->inverseSwitchWidth));
       }
       Float16 coulomb = inverse;
-      if (hasCutoff) {
+      if (isEwald) {
+        coulomb = sub16(inverse, smoothCoulomb(&potential->ewald, squared));
+      } else if (hasCutoff) {
         coulomb = sub16(add16(inverse, mul16(all16(potential->k), squared)), all16(potential->c));
       }
       /* Not by the product of the charges: pairs of two types would share its rounding, which adds up. */
@@ -69,15 +85,14 @@ CT_INLINE double sumRows(const Potential* potential, const LeafSide* a, const Le
 
 /* Sums the rows of side a by the function for this case. */
 CT_INLINE double sumCase(const Potential* potential, const LeafSide* a, const LeafSide* b, const float shift[3],
-                         unsigned rows) {
-  if (a->excluded != NULL) {
-    return potential->hasSwitch   ? sumRows(potential, a, b, shift, rows, true, true, true)
-           : potential->hasCutoff ? sumRows(potential, a, b, shift, rows, true, false, true)
-                                  : sumRows(potential, a, b, shift, rows, false, false, true);
+                         unsigned rows, bool isMasked) {
+  if (potential->isEwald) {
+    return potential->hasSwitch ? sumRows(potential, a, b, shift, rows, true, true, true, isMasked)
+                                : sumRows(potential, a, b, shift, rows, true, false, true, isMasked);
   }
-  return potential->hasSwitch   ? sumRows(potential, a, b, shift, rows, true, true, false)
-         : potential->hasCutoff ? sumRows(potential, a, b, shift, rows, true, false, false)
-                                : sumRows(potential, a, b, shift, rows, false, false, false);
+  return potential->hasSwitch   ? sumRows(potential, a, b, shift, rows, true, true, false, isMasked)
+         : potential->hasCutoff ? sumRows(potential, a, b, shift, rows, true, false, false, isMasked)
+                                : sumRows(potential, a, b, shift, rows, false, false, false, isMasked);
 }
 
 double CT_WIDE(leafPairEnergy)(const Potential* potential, const LeafSide* a, const LeafSide* b) {
@@ -99,5 +114,5 @@ double CT_WIDE(leafPairEnergy)(const Potential* potential, const LeafSide* a, co
       from = back;
     }
   }
-  return sumCase(potential, a, b, from, rows);
+  return a->excluded != NULL ? sumCase(potential, a, b, from, rows, true) : sumCase(potential, a, b, from, rows, false);
 }
