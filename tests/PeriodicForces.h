@@ -144,6 +144,8 @@ struct PeriodicKind {
     function<double(const vector<Vec3>& x, const Box& box, double width, double& size)> computeValues = nullptr;
     /** Make a Force that is needed beside it, whose energy is included in that of values. */
     function<Force*(double width)> makePartner = nullptr;
+    /** Whether it has no energy in boxes that are not rectangular. */
+    bool needsRectangle = false;
     /** Get whether OpenMM's lists of neighbors decide which pairs count. */
     bool hasPairs() const
     {
@@ -234,13 +236,71 @@ static const vector<PeriodicKind> NONBONDED_KINDS = {
      computeNonbonded, 0.5},
 };
 
+// ---- Ewald summation ----
+
+static const double EWALD_TOLERANCE = 1e-3;
+
+/** Get alpha in a box of a width: with Ewald summation that of OpenMM. */
+static double getAlpha(double width)
+{
+    return sqrt(-log(2 * EWALD_TOLERANCE)) / (0.499 * width);
+}
+
+static NonbondedForce* makeEwald(double width, NonbondedForce::NonbondedMethod method, bool exceptionsArePeriodic)
+{
+    NonbondedForce* force = makeExceptions(width, exceptionsArePeriodic);
+    force->setNonbondedMethod(method);
+    force->setCutoffDistance(0.499 * width);
+    force->setEwaldErrorTolerance(EWALD_TOLERANCE);
+    force->setPMEParameters(getAlpha(width), 20, 24, 30); // sizes that all platforms use
+    force->setUseDispersionCorrection(true);
+    return force;
+}
+
+static double computeDirectSpace(double width, int i, int j, double r)
+{
+    return computeLennardJones(r, (getSigma(i) + getSigma(j)) / 2, 0.5) +
+           COULOMB * getCharge(i) * getCharge(j) * erfc(getAlpha(width) * r) / r;
+}
+
+static const vector<PeriodicKind> EWALD_KINDS = {
+    {"NonbondedForce, PME",
+     [](double width) {
+         return makeEwald(width, NonbondedForce::PME, false);
+     },
+     computeDirectSpace, 0.499},
+    {"NonbondedForce, PME, switched",
+     [](double width) {
+         NonbondedForce* force = makeEwald(width, NonbondedForce::PME, true);
+         force->setUseSwitchingFunction(true);
+         force->setSwitchingDistance(SWITCHED_FROM * width);
+         return force;
+     },
+     [](double width, int i, int j, double r) {
+         const double lennardJones = computeLennardJones(r, (getSigma(i) + getSigma(j)) / 2, 0.5);
+         return computeDirectSpace(width, i, j, r) +
+                lennardJones * (computeSwitch(r, SWITCHED_FROM * width, 0.499 * width) - 1);
+     },
+     0.499},
+    {"NonbondedForce, Ewald",
+     [](double width) {
+         return makeEwald(width, NonbondedForce::Ewald, true);
+     },
+     computeDirectSpace, 0.499, nullptr, true, nullptr, nullptr, true},
+};
+
+static bool isEwald(const NonbondedForce& force)
+{
+    return force.getNonbondedMethod() == NonbondedForce::PME || force.getNonbondedMethod() == NonbondedForce::Ewald;
+}
+
 /**
- * Sum what a NonbondedForce has beside its pairs.
+ * Sum what a NonbondedForce has beside its pairs. Of Ewald summation this is direct space.
  *
  * @param size  the sum of magnitudes, to which this adds
  */
 static double sumBesidePairs(const NonbondedForce& force, const System& system, const vector<Vec3>& x, const Box& box,
-                             double& size)
+                             double width, double& size)
 {
     double energy = 0;
     if (force.getUseDispersionCorrection())
@@ -252,8 +312,10 @@ static double sumBesidePairs(const NonbondedForce& force, const System& system, 
         Vec3 apart = x[p1] - x[p2];
         if (force.getExceptionsUsePeriodicBoundaryConditions())
             apart = reduce(apart, box);
-        const double r = sqrt(apart.dot(apart)),
-                     ofPair = computeLennardJones(r, sigma, epsilon) + COULOMB * charges / r;
+        const double r = sqrt(apart.dot(apart));
+        double ofPair = computeLennardJones(r, sigma, epsilon) + COULOMB * charges / r;
+        if (isEwald(force))
+            ofPair -= COULOMB * getCharge(p1) * getCharge(p2) * erf(getAlpha(width) * r) / r;
         energy += ofPair;
         size += fabs(ofPair);
     }

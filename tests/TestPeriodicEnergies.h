@@ -31,10 +31,12 @@ static void assertNative(const Sampler& integrator, Context& context)
  */
 class OtherContext {
 public:
-    OtherContext(const System& original, const string& platform) :
+    OtherContext(const System& original, const string& platform, bool hasDirectSpace = true) :
         system(XmlSerializer::clone<System>(original)), integrator(0.001)
     {
         system->removeForce(0);
+        if (!hasDirectSpace)
+            dynamic_cast<NonbondedForce&>(system->getForce(0)).setIncludeDirectSpace(false);
         context = make_unique<Context>(*system, integrator, Platform::getPlatform(platform));
     }
     double computeEnergy(const State& state)
@@ -77,7 +79,7 @@ const double OVERLAP_LENGTH = 0.1;
 
 /**
  * Sampling with one Force. Its energy is expected to be the sum over all images if it is one of pairs, and else that of
- * OpenMM's Reference platform.
+ * OpenMM's Reference platform. Of Ewald summation the sum is direct space, and OpenMM knows reciprocal space.
  */
 class SampledKind {
 public:
@@ -96,6 +98,9 @@ public:
         context = make_unique<Context>(chains.system, integrator, platform);
         context->setPositions(chains.positions);
         reference = make_unique<OtherContext>(chains.system, "Reference");
+        const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(made);
+        if (nonbonded != NULL && isEwald(*nonbonded))
+            reciprocal = make_unique<OtherContext>(chains.system, "Reference", false);
         setBox(box);
         assertNative(integrator, *context);
     }
@@ -123,7 +128,7 @@ public:
     void assertMoved() const
     {
         for (int move = 0; move < integrator.getNumMoves(); move++)
-            if (Statistics(integrator, move).accepted <= (kind.makePartner ? 5 : 50))
+            if (Statistics(integrator, move).accepted <= (kind.makePartner ? 5 : reciprocal ? 20 : 50))
                 throw OpenMMException(kind.name + ": move " + to_string(move) + " was accepted in " +
                                       to_string(Statistics(integrator, move).accepted) + " trials");
         const vector<Vec3> x = getPositions(*context);
@@ -159,7 +164,9 @@ private:
             expected = sumPairs(kind, state.getPositions(), box, chains.width, size);
             const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(made);
             if (nonbonded != NULL)
-                expected += sumBesidePairs(*nonbonded, chains.system, state.getPositions(), box, size);
+                expected += sumBesidePairs(*nonbonded, chains.system, state.getPositions(), box, chains.width, size);
+            if (reciprocal)
+                expected += reciprocal->computeEnergy(state);
             expected += longRange / (box[0][0] * box[1][1] * box[2][2]);
         }
         if (kind.hasPairs()) /* single precision rounds distances; two beads may overlap after the box has changed */
@@ -176,7 +183,7 @@ private:
     Force* made;
     Sampler integrator;
     unique_ptr<Context> context;
-    unique_ptr<OtherContext> reference, cpu;
+    unique_ptr<OtherContext> reference, cpu, reciprocal;
     Box box;
     double longRange = 0;
 };
@@ -201,11 +208,16 @@ static void printTable(const string& title, const vector<PeriodicKind>& kinds, c
  */
 void testKindsInBoxes(Platform& platform)
 {
-    for (const vector<PeriodicKind>& kinds : {NONBONDED_KINDS, EXPRESSION_KINDS, VALUE_KINDS, TERM_KINDS}) {
+    for (const vector<PeriodicKind>& kinds :
+         {NONBONDED_KINDS, EWALD_KINDS, EXPRESSION_KINDS, VALUE_KINDS, TERM_KINDS}) {
         vector<vector<Errors>> errors;
         for (const PeriodicKind& kind : kinds) {
             errors.push_back({});
             for (const NamedBox& box : BOXES) {
+                if (kind.needsRectangle && !isRectangular(box.vectors)) {
+                    errors.back().push_back({});
+                    continue;
+                }
                 SampledKind sampled(kind, box.vectors, platform);
                 sampled.sample(10);
                 sampled.assertMoved();
@@ -278,11 +290,11 @@ void testScaledCorrection(Platform& platform)
 /**
  * Molecules that are set elsewhere by sums of box vectors have the same energy.
  */
-void testLatticeVectors(Platform& platform)
+static void testLatticeVectors(Platform& platform, const PeriodicKind& nonbonded)
 {
     const Box& box = BOXES[5].vectors;
     PeriodicChains chains(box);
-    chains.system.addForce(NONBONDED_KINDS.back().make(chains.width));
+    chains.system.addForce(nonbonded.make(chains.width));
     chains.system.addForce(EXPRESSION_KINDS[0].make(chains.width));
     for (int kind : {0, 2, 3})
         chains.system.addForce(TERM_KINDS[kind].make(chains.width));
@@ -342,6 +354,54 @@ void testForeignInBox(Platform& platform)
 }
 
 /**
+ * OpenMM evaluates reciprocal space alone, in outer tests. Its group may be another one, but not left out.
+ */
+void testPlanOfEwald(Platform& platform)
+{
+    for (int group : {-1, 3}) {
+        PeriodicChains chains(BOXES[1].vectors);
+        NonbondedForce* pairs = makeEwald(chains.width, NonbondedForce::PME, false);
+        pairs->setReciprocalSpaceForceGroup(group);
+        if (platform.getName() == "Reference")
+            pairs->setPMEParameters(getAlpha(chains.width), 11, 13, 11); // sizes that other platforms do not use
+        chains.system.addForce(pairs);
+        Sampler integrator(300);
+        addMoves(integrator, chains.width);
+        Context context(chains.system, integrator, platform);
+        context.setPositions(chains.positions);
+        OtherContext reference(chains.system, "Reference");
+        auto assertPlanned = [&](const string& time) {
+            ASSERT_EQUAL("openmm-chaintree evaluates the pairs that a trial changes; OpenMM evaluates its reciprocal "
+                         "space " +
+                             time,
+                         integrator.getEnergyPlan(context)[1].reason);
+            const double expected = reference.computeEnergy(context.getState(State::Positions));
+            ASSERT(fabs(expected - integrator.getPotentialEnergy(context)) <= 1e-5 * (100 + fabs(expected)));
+        };
+        assertPlanned("at each outer test, every 12 trials while its spread is measured");
+        integrator.step(2);
+        integrator.setTrialsPerOuterTest(20);
+        assertPlanned("at each outer test, every 20 trials");
+        integrator.setTemperature(0);
+        integrator.setTrialsPerOuterTest(0);
+        const double before = integrator.getPotentialEnergy(context);
+        integrator.step(2);
+        assertPlanned("in each trial");
+        ASSERT(integrator.getPotentialEnergy(context) < before);
+        integrator.setIntegrationForceGroups(1);
+        if (group == 3)
+            assertForeign(integrator, context, 1, "one of its two force groups is not an integration force group");
+    }
+    PeriodicChains chains(BOXES[1].vectors);
+    chains.system.addForce(makeEwald(chains.width, NonbondedForce::LJPME, false));
+    Sampler integrator(300);
+    addMoves(integrator, chains.width);
+    Context context(chains.system, integrator, platform);
+    context.setPositions(chains.positions);
+    assertForeign(integrator, context, 1, "no code for LJPME");
+}
+
+/**
  * A NonbondedForce without images is foreign if spheres have images, and native if they have none.
  */
 void testPairsWithoutImages(Platform& platform)
@@ -391,8 +451,10 @@ void testPeriodicEnergies(Platform& platform)
     testKindsInBoxes(platform);
     testForcesTogether(platform);
     testScaledCorrection(platform);
-    testLatticeVectors(platform);
+    testLatticeVectors(platform, NONBONDED_KINDS.back());
+    testLatticeVectors(platform, EWALD_KINDS[1]);
     testForeignInBox(platform);
+    testPlanOfEwald(platform);
     testPairsWithoutImages(platform);
     testSpheresWithoutImages(platform);
 }

@@ -23,15 +23,15 @@ static bool hasReciprocalSpace(const NonbondedForce& force)
 }
 
 /**
- * Get the force groups in which a Force is evaluated, as a bit mask.
+ * Get the force group in which the reciprocal space of a Force is evaluated, as a bit mask; 0 if it has none.
  */
-static int findGroups(const Force& force)
+static int findReciprocalGroup(const Force& force)
 {
-    unsigned int groups = 1u << force.getForceGroup();
     const NonbondedForce* nonbonded = dynamic_cast<const NonbondedForce*>(&force);
-    if (nonbonded != NULL && hasReciprocalSpace(*nonbonded) && nonbonded->getReciprocalSpaceForceGroup() >= 0)
-        groups |= 1u << nonbonded->getReciprocalSpaceForceGroup();
-    return groups;
+    if (nonbonded == NULL || !hasReciprocalSpace(*nonbonded))
+        return 0;
+    const int group = nonbonded->getReciprocalSpaceForceGroup();
+    return (int)(1u << (group >= 0 ? group : force.getForceGroup()));
 }
 
 static string plural(long long count, const string& noun)
@@ -79,7 +79,8 @@ EnergyPlan::EnergyPlan(const ContextImpl& context) : context(context), isPeriodi
         isPeriodic = isPeriodic || (isSteric.back() && force.usesPeriodicBoundaryConditions());
         hasNoEnergy.push_back(dynamic_cast<const CMMotionRemover*>(&force) != NULL ||
                               dynamic_cast<const AndersenThermostat*>(&force) != NULL || isBarostat(force));
-        entries.push_back({force.getName(), findGroups(force), None, ""});
+        const int reciprocal = findReciprocalGroup(force);
+        entries.push_back({force.getName(), (int)(1u << force.getForceGroup()) | reciprocal, reciprocal, None, ""});
     }
     copies.resize(forces.size());
     replacesSpheres.resize(forces.size());
@@ -211,6 +212,8 @@ void EnergyPlan::decide(int index, int groupsOfU, bool allowNative)
         return set(Foreign, "native energies are switched off");
     if (!copies[index])
         return set(Foreign, "openmm-chaintree has no code for a " + classNames[index]);
+    if (isPeriodic && (entries[index].groups & ~groupsOfU) != 0)
+        return set(Foreign, "one of its two force groups is not an integration force group");
     const string reason =
         translateForce(*copies[index], index, context.getSystem(), context.getParameters(), terms, isPeriodic);
     if (!reason.empty())
@@ -245,6 +248,14 @@ static bool hasPart(const vector<PART>& parts, int force)
     return any_of(parts.begin(), parts.end(), [force](const PART& part) {
         return part.force == force;
     });
+}
+
+int EnergyPlan::findEwaldForce() const
+{
+    for (const EnergyTerms::Nonbonded& nonbonded : terms.nonbonded)
+        if (nonbonded.ewaldAlpha > 0)
+            return nonbonded.force;
+    return -1;
 }
 
 bool EnergyPlan::hasStandIn(int index) const

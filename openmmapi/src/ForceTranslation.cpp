@@ -1,4 +1,5 @@
 #include "openmmchaintree/internal/ForceTranslation.h"
+#include "openmm/NonbondedForce.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -60,6 +61,8 @@ string ChainTreePlugin::checkBornPartners(const EnergyTerms& terms)
 {
     if (terms.nonbonded.empty())
         return "it needs a NonbondedForce that openmm-chaintree evaluates, too";
+    if (terms.nonbonded[0].ewaldAlpha > 0)
+        return "it needs a NonbondedForce without Ewald summation";
     if (!terms.born.empty())
         return "openmm-chaintree has code for one Force of generalized Born, and there is another before it";
     return "";
@@ -260,8 +263,8 @@ static string append(const Force& force, const NativeForceKind::Setting& setting
     const bool isPeriodic = force.usesPeriodicBoundaryConditions();
     if (reason.empty() && isPeriodic && !setting.isPeriodic)
         reason = "it uses periodic boundary conditions";
-    for (size_t i = before.termSets; i < terms.termSets.size(); i++)
-        if (terms.termSets[i].kind != ctExceptionTerm)
+    if (dynamic_cast<const NonbondedForce*>(&force) == NULL) // whose exceptions are periodic or not
+        for (size_t i = before.termSets; i < terms.termSets.size(); i++)
             terms.termSets[i].periodic = isPeriodic;
     if (reason.empty() && setting.isPeriodic)
         reason = before.checkImages(terms);

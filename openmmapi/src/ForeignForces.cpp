@@ -42,13 +42,38 @@ static bool isSet(const string& value)
 ForeignForces::ForeignForces(ContextImpl& context) :
     context(context), implsEvaluate(dynamic_cast<const ReferencePlatform*>(&context.getPlatform()) != NULL &&
                                     !isSet("copies") && !isSet("groups")),
-    allowCopies(!isSet("groups")), impls(context.getForceImpls()), groups(0), mixed(false)
+    allowCopies(!isSet("groups")), impls(context.getForceImpls()), groups(0), mixed(false), reciprocalGroup(0)
 {
 }
 
 void ForeignForces::setForces(const EnergyPlan& plan, int groups, bool allowNative, bool haveChanged)
 {
     this->groups = groups;
+    setReciprocal(plan, haveChanged);
+    arrange(plan, allowNative, haveChanged);
+    if (reciprocal && !mixed)
+        parts.push_back({{plan.findEwaldForce()}, 0, -1, true});
+}
+
+void ForeignForces::setReciprocal(const EnergyPlan& plan, bool haveChanged)
+{
+    const int force = plan.findEwaldForce();
+    if (force == -1) {
+        reciprocal.reset();
+        return;
+    }
+    reciprocalGroup = plan.getEntries()[force].reciprocalGroup;
+    const vector<double>& charges = plan.getTerms().nonbonded[0].charges;
+    if (!reciprocal || haveChanged || charges != reciprocal->getCharges())
+        reciprocal.reset(
+            new ReciprocalSpace(context, dynamic_cast<const NonbondedForce&>(plan.getCopy(force)), charges));
+}
+
+/**
+ * Find the parts of foreign Forces.
+ */
+void ForeignForces::arrange(const EnergyPlan& plan, bool allowNative, bool haveChanged)
+{
     parts.clear();
     forceGroups.clear();
     mixed = false;
@@ -159,11 +184,14 @@ double ForeignForces::computeAlone(TrialSession& trials, const vector<int>& forc
 double ForeignForces::computeEnergy(TrialSession& trials, const vector<int>& chosen) const
 {
     int chosenGroups = 0;
+    bool hasReciprocal = false;
     vector<int> forces, chosenCopies;
     for (int index : chosen) {
         const Part& part = parts[index];
         chosenGroups |= part.groups;
-        if (part.copy != -1)
+        if (part.isReciprocal)
+            hasReciprocal = true;
+        else if (part.copy != -1)
             chosenCopies.push_back(part.copy);
         else if (part.groups == 0)
             forces.insert(forces.end(), part.forces.begin(), part.forces.end());
@@ -175,7 +203,14 @@ double ForeignForces::computeEnergy(TrialSession& trials, const vector<int>& cho
         energy += computeAlone(trials, forces);
     if (!chosenCopies.empty())
         energy += copies->computeEnergy(chosenCopies);
+    if (hasReciprocal)
+        energy += reciprocal->computeEnergy();
     return energy;
+}
+
+double ForeignForces::computeReciprocal(int groups) const
+{
+    return reciprocal && (groups & reciprocalGroup) != 0 ? reciprocal->computeEnergy() : 0;
 }
 
 double ForeignForces::computeEnergy(TrialSession& trials) const

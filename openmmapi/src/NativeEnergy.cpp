@@ -146,15 +146,22 @@ vector<EnergyPlan::Entry> NativeEnergy::describePlan()
         if (isEvaluated && (entry.groups & foreign.getWholeGroups()) != 0)
             entry.reason += "; OpenMM evaluates it, too, with the foreign Forces " + describeTime(trials);
     }
-    for (size_t part = 0; part < foreign.getParts().size(); part++) {
-        string how = foreign.areMixed() ? "OpenMM evaluates it with all of its force group " : "OpenMM evaluates it ";
-        how += describeTime(isLeftToTests(part) ? trials : 0);
-        if (choosesForeign() && schedule.isMeasuring() && isLeftToTests(part))
+    for (size_t i = 0; i < foreign.getParts().size(); i++) {
+        const ForeignForces::Part& part = foreign.getParts()[i];
+        string how = describeTime(isLeftToTests(i) ? trials : 0);
+        if (choosesForeign() && schedule.isMeasuring() && isLeftToTests(i))
             how += " while its spread is measured";
-        if (foreign.getParts()[part].copy != -1)
+        if (part.copy != -1)
             how += ", by a copy";
-        for (int force : foreign.getParts()[part].forces)
-            entries[force].reason = how + ": " + entries[force].reason;
+        for (int force : part.forces) {
+            string& reason = entries[force].reason;
+            if (part.isReciprocal)
+                reason += "; OpenMM evaluates its reciprocal space " + how;
+            else
+                reason =
+                    (foreign.areMixed() ? "OpenMM evaluates it with all of its force group " : "OpenMM evaluates it ") +
+                    how + ": " + reason;
+        }
     }
     schedule = present;
     return entries;
@@ -312,7 +319,7 @@ void NativeEnergy::compareWithOpenMM(TrialSession& trials, const vector<double>&
     vector<Vec3> positions;
     force.getTrialScene().getPositions(positions);
     const bool saysMuch = check.check(positions, energies, [&](int groups) {
-        return trials.computeOtherEnergy(groups);
+        return trials.computeOtherEnergy(groups) - foreign.computeReciprocal(groups);
     });
     checkInterval = saysMuch ? TRIALS_BETWEEN_CHECKS : min(2 * checkInterval, TRIALS_BETWEEN_CHECKS);
     trialsToCheck = checkInterval;

@@ -147,6 +147,7 @@ static ctNonbonded describe(const EnergyTerms::Nonbonded& given)
     nonbonded.cutoff = given.cutoff;
     nonbonded.switchingDistance = given.switchingDistance;
     nonbonded.dielectric = given.dielectric;
+    nonbonded.ewaldAlpha = given.ewaldAlpha;
     nonbonded.exclusionCount = given.exclusions.size();
     nonbonded.exclusions = rowsOf(given.exclusions);
     return nonbonded;

@@ -8,6 +8,7 @@
 #include "openmm/CustomExternalForce.h"
 #include "openmm/CustomManyParticleForce.h"
 #include "openmm/CustomTorsionForce.h"
+#include "openmm/NonbondedForce.h"
 #include "openmm/TabulatedFunction.h"
 #include "ShortChain.h"
 
@@ -129,6 +130,53 @@ static void testMixedForces()
     }
 }
 
+/**
+ * Charges with a large part of their energy in reciprocal space, which OpenMM evaluates.
+ */
+static void addCharges(ShortChain& chain, NonbondedForce::NonbondedMethod method)
+{
+    NonbondedForce* charges = new NonbondedForce();
+    for (int i = 0; i < 5; i++) {
+        charges->addParticle(i % 2 == 0 ? 0.4 : -0.3, 0.1, 0);
+        for (int j = max(0, i - 2); j < i; j++)
+            charges->addException(j, i, 0, 1, 0);
+    }
+    charges->addException(0, 3, 0.05, 1, 0);
+    charges->setNonbondedMethod(method);
+    charges->setCutoffDistance(1.3);
+    charges->setPMEParameters(2, 17, 17, 17); // sizes that the CPU platform does not use
+    charges->setEwaldErrorTolerance(1e-3);
+    charges->setReciprocalSpaceForceGroup(1);
+    chain.force->setUsesPeriodicBoundaryConditions(true);
+    chain.system.setDefaultPeriodicBoxVectors(Vec3(4, 0, 0), Vec3(0, 4.5, 0), Vec3(0, 0, 5));
+    chain.system.addForce(charges);
+}
+
+/**
+ * Trials see direct space, and tests reciprocal space, whether OpenMM evaluates it alone or with all of its group.
+ */
+static void testReciprocalSpace()
+{
+    const int numSteps = 1500;
+    ShortChain pme(0.3), ewald(0.3), shared(0.3);
+    addCharges(pme, NonbondedForce::PME);
+    addCharges(ewald, NonbondedForce::Ewald);
+    addCharges(shared, NonbondedForce::PME);
+    addCentroidForce(shared.system, 0);
+    const Means expected = pme.computeMeans(3), expectedOfEwald = ewald.computeMeans(3);
+    ASSERT(getLargestDifference(expected, pme.computeMeans(1)) > 1.5 * getTolerance(numSteps));
+    ASSERT(getLargestDifference(expected, ShortChain(0.3).computeMeans(1)) > 1.5 * getTolerance(numSteps));
+    ASSERT(getLargestDifference(expected, expectedOfEwald) < 0.01);
+    assertSampled(pme, expected, {7, 14, true, false}, numSteps);
+    assertSampled(pme, expected, {0, 25, true, false}, numSteps);
+    assertSampled(ewald, expectedOfEwald, {40, 40, true, false}, numSteps);
+    const Means expectedOfBoth = shared.computeMeans(3);
+    for (const char* way : {"groups", "copies"}) {
+        WholeGroups wholeGroups(way);
+        assertSampled(shared, expectedOfBoth, {7, 14, true, false}, numSteps);
+    }
+}
+
 int main()
 {
     return runOnPlatform("Reference", [](Platform&) {
@@ -136,5 +184,6 @@ int main()
         testMixedForces();
         testForeignForces();
         testSoftSpheres();
+        testReciprocalSpace();
     });
 }

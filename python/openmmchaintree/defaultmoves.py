@@ -70,7 +70,8 @@ def addDefaultMoves(
     mostly from their first torsion on, which is the slowest. Side chains at the ends of chains are drawn more often,
     since their salt bridges hold loose ends. Bases, and torsions of other kinds, get small turns and are drawn
     uniformly. Ball joints get pivot and crankshaft moves. Molecules without fixed particles get rigid-body moves if
-    there is more than one molecule; chains of beads also large ones, which exchange chains between phases.
+    there is more than one molecule; chains of beads also large ones, which exchange chains between phases. Around a
+    solute in a periodic box, water and ions stay as they are.
 
     Sizes were chosen by measurement. Acceptance may be low: closed moves of up to 8 degrees gave more independent
     samples than smaller ones that were accepted twice as often. So let sizes adapt

@@ -10,7 +10,7 @@ from openmm import unit
 
 from .graphs import connectedParts, growTrees, neighborLists
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
-from .residues import polymerBackbone
+from .residues import isWater, polymerBackbone
 from .systemreading import checkParticles, drudeParticles, fixedParticles, hasPairEnergies
 from .torsions import KINDS, findTorsions
 
@@ -121,11 +121,17 @@ class MoveScene:
         return found - {None}
 
     def freeMolecules(self):
-        """Return a particle of each molecule without fixed particles."""
+        """Return a particle of each molecule without fixed particles, in a box of water without water and ions."""
         isFixed = np.zeros(self.moleculeCount, dtype=bool)
         isFixed[self._parts[fixedParticles(self._system)]] = True
         first = np.unique(self._parts, return_index=True)[1]
-        return [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
+        free = [int(particle) for particle, fixed in zip(first, isFixed, strict=True) if not fixed]
+        if not self.force.usesPeriodicBoundaryConditions():
+            return free
+        waters = set(filter(isWater, self.topology.residues()))
+        residues = [atom.residue for atom in self.topology.atoms()]
+        solute = [particle for particle in free if len(residues[particle]) > 1 and residues[particle] not in waters]
+        return solute if waters and solute else free
 
     @property
     def boxLength(self):

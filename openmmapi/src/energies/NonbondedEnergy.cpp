@@ -1,5 +1,6 @@
 #include "openmm/internal/NonbondedForceImpl.h"
 #include "openmm/NonbondedForce.h"
+#include "openmmchaintree/internal/ExpressionTranslator.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include <cmath>
 #include <limits>
@@ -20,7 +21,7 @@ static string describeMethod(NonbondedForce::NonbondedMethod method)
     case NonbondedForce::PME:
         return "PME is periodic";
     case NonbondedForce::LJPME:
-        return "LJPME is periodic";
+        return "openmm-chaintree has no code for LJPME";
     default:
         return "openmm-chaintree does not know its nonbonded method";
     }
@@ -105,11 +106,44 @@ static string translateExceptions(const NonbondedForce& force, const NativeForce
     return reason;
 }
 
+/**
+ * Get alpha of the Ewald summation that OpenMM uses.
+ */
+static double findEwaldAlpha(const System& system, const NonbondedForce& force)
+{
+    double alpha;
+    int sizes[3];
+    if (force.getNonbondedMethod() == NonbondedForce::Ewald)
+        NonbondedForceImpl::calcEwaldParameters(system, force, alpha, sizes[0], sizes[1], sizes[2]);
+    else
+        NonbondedForceImpl::calcPMEParameters(system, force, alpha, sizes[0], sizes[1], sizes[2], false);
+    return alpha;
+}
+
+/**
+ * Translate the part of direct space that subtracts excluded pairs, which reciprocal space includes.
+ */
+static string translateExcludedPairs(const EnergyTerms::Nonbonded& nonbonded, EnergyTerms::TermSet& set)
+{
+    ExpressionTranslator translator(set);
+    translator.addInput("r", {ctMeasureDistance, {0, 1}});
+    translator.addParameter("charges");
+    translator.addConstant("alpha", nonbonded.ewaldAlpha);
+    translator.addConstant("coulomb", CT_COULOMB);
+    for (const array<int, 2>& pair : nonbonded.exclusions) {
+        const double charges = nonbonded.charges[pair[0]] * nonbonded.charges[pair[1]];
+        if (charges != 0)
+            addTerm(set, {pair[0], pair[1]}, {charges});
+    }
+    return translator.translate("-coulomb*charges*select(r, erf(alpha*r)/r, 2*alpha/sqrt(3.14159265358979324))");
+}
+
 static string translateNonbonded(const NonbondedForce& force, const NativeForceKind::Setting& setting,
                                  EnergyTerms& terms)
 {
     const NonbondedForce::NonbondedMethod method = force.getNonbondedMethod();
-    const bool isPeriodic = setting.isPeriodic && method == NonbondedForce::CutoffPeriodic;
+    const bool isEwald = setting.isPeriodic && (method == NonbondedForce::Ewald || method == NonbondedForce::PME);
+    const bool isPeriodic = isEwald || (setting.isPeriodic && method == NonbondedForce::CutoffPeriodic);
     if (method != NonbondedForce::NoCutoff && method != NonbondedForce::CutoffNonPeriodic && !isPeriodic)
         return describeMethod(method);
     if (force.getExceptionsUsePeriodicBoundaryConditions() && !isPeriodic)
@@ -135,11 +169,22 @@ static string translateNonbonded(const NonbondedForce& force, const NativeForceK
               isfinite(nonbonded.dielectric)))
             return "its cutoff, switching distance or dielectric makes no sense";
     }
+    if (isEwald) {
+        nonbonded.ewaldAlpha = findEwaldAlpha(setting.system, force);
+        if (!(nonbonded.ewaldAlpha > 0 && nonbonded.ewaldAlpha * nonbonded.cutoff <= CT_MOST_EWALD))
+            return "its alpha of Ewald summation does not fit its cutoff";
+    }
     EnergyTerms::TermSet exceptions = createTermSet(setting.index, ctExceptionTerm, 2, 3);
     exceptions.periodic = force.getExceptionsUsePeriodicBoundaryConditions();
     string reason = translateParticles(force, setting.parameters, nonbonded);
     if (reason.empty())
         reason = translateExceptions(force, setting.parameters, nonbonded, exceptions);
+    if (isEwald && reason.empty()) {
+        EnergyTerms::TermSet excluded = createTermSet(setting.index, ctExpressionTerm, 2, 1);
+        excluded.periodic = exceptions.periodic;
+        reason = translateExcludedPairs(nonbonded, excluded);
+        terms.termSets.push_back(excluded);
+    }
     terms.nonbonded.push_back(nonbonded);
     terms.termSets.push_back(exceptions);
     return reason;

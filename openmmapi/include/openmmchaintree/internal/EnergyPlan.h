@@ -40,6 +40,8 @@ public:
         std::string name;
         /** Its force groups, as a bit mask: one, or two if its reciprocal space has another group. */
         int groups;
+        /** The group of its reciprocal space, as a bit mask; 0 if it has none. */
+        int reciprocalGroup;
         Kind kind;
         /** A clause that says why. NativeEnergy::describePlan() also says how often it is evaluated. */
         std::string reason;
@@ -98,6 +100,10 @@ public:
     {
         return entries;
     }
+    /**
+     * Get the native Force whose reciprocal space OpenMM evaluates, or -1 if there is none.
+     */
+    int findEwaldForce() const;
     /**
      * Get whether trials use a stand-in for a Force, and whether its energy is one of values.
      */

@@ -45,6 +45,8 @@ public:
         bool periodic = false;
         /** The long-range correction times the volume of the box, kJ/mol nm^3. */
         double dispersion = 0;
+        /** Of Ewald summation, 1/nm; 0 if there is none. The reciprocal space is no part of these terms. */
+        double ewaldAlpha = 0;
     };
     /** A function by a table; see ctTable. */
     struct TableFunction {

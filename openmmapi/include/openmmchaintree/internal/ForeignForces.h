@@ -5,6 +5,7 @@
 #include "openmm/internal/ForceImpl.h"
 #include "openmmchaintree/internal/EnergyPlan.h"
 #include "openmmchaintree/internal/ForeignCopies.h"
+#include "openmmchaintree/internal/ReciprocalSpace.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include <map>
 #include <memory>
@@ -13,7 +14,8 @@
 namespace ChainTreePlugin {
 
 /**
- * Lets OpenMM evaluate the foreign Forces of a Context, without the others where possible.
+ * Lets OpenMM evaluate the foreign Forces of a Context, without the others where possible, and the reciprocal space of
+ * a native NonbondedForce.
  *
  * On the Reference and CPU platforms a ForceImpl evaluates its Force when it is asked to, so the Context is asked for
  * its energy while it has the ForceImpls of foreign Forces only. These are the originals, with the parameters of
@@ -45,6 +47,8 @@ public:
         int groups;
         /** The index of the copy that is evaluated, or -1. */
         int copy;
+        /** Whether it is the reciprocal space of a native Force. */
+        bool isReciprocal = false;
     };
     const std::vector<Part>& getParts() const
     {
@@ -67,11 +71,17 @@ public:
     double computeEnergy(TrialSession& trials, const std::vector<int>& chosen) const;
     double computeEnergy(TrialSession& trials) const;
     /**
+     * Compute what the reciprocal space of a native Force adds to some force groups, given as a bit mask.
+     */
+    double computeReciprocal(int groups) const;
+    /**
      * Find the Forces whose energy is impossible, or all of them if only their sum is.
      */
     std::vector<int> findImpossible(TrialSession& trials) const;
 
 private:
+    void arrange(const EnergyPlan& plan, bool allowNative, bool haveChanged);
+    void setReciprocal(const EnergyPlan& plan, bool haveChanged);
     void addToParts(int force, int itsGroups);
     bool makeCopies(const EnergyPlan& plan, const std::vector<int>& forces, bool haveChanged);
     double computeAlone(TrialSession& trials, const std::vector<int>& forces) const;
@@ -90,6 +100,9 @@ private:
     /** The copies, and the indices of their Forces. */
     std::unique_ptr<ForeignCopies> copies;
     std::vector<int> copied;
+    /** The reciprocal space of a native Force, if there is one, and its force group, as a bit mask. */
+    std::unique_ptr<ReciprocalSpace> reciprocal;
+    int reciprocalGroup;
 };
 
 } // namespace ChainTreePlugin

@@ -14,13 +14,14 @@ namespace ChainTreePlugin {
 
 /**
  * Compares energies of the Scene with OpenMM's own, Force by Force, so that an error in translation does not go
- * unnoticed. OpenMM evaluates copies of the native Forces in a Context of the Reference Platform.
+ * unnoticed. OpenMM evaluates copies of the native Forces in a Context of the Reference Platform. Of Ewald summation it
+ * compares direct space.
  */
 class OPENMM_EXPORT_CHAINTREE NativeEnergyCheck {
 public:
     /**
-     * Computes the energy of force groups in the main Context, without the StericExclusionForce. The Context must have
-     * the positions that are compared.
+     * Computes the energy of force groups in the main Context, without the StericExclusionForce and without reciprocal
+     * spaces. The Context must have the positions that are compared.
      */
     typedef std::function<double(int groups)> GroupEnergy;
     /**

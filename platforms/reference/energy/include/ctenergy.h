@@ -45,6 +45,9 @@ extern "C" {
 /* 1 / (4 pi epsilon0), kJ nm / (mol e^2), as OpenMM has it. */
 #define CT_COULOMB 138.93545764438198
 
+/* The most that alpha of Ewald summation times the cutoff can be: erfc is 2e-17 there. */
+#define CT_MOST_EWALD 6.0
+
 /* The most operations of an expression. */
 #define CT_MOST_OPERATIONS 65536
 
@@ -67,7 +70,7 @@ typedef struct ctNonbonded {
   double dielectric;        /* k and c have to be finite; not read with an ewaldAlpha */
   int exclusionCount;
   const int (*exclusions)[2]; /* pairs that have no part in this, either order; repeats are harmless */
-  double ewaldAlpha;          /* 1/nm, at most 6 / cutoff; 0: none. Not with born */
+  double ewaldAlpha;          /* 1/nm, at most CT_MOST_EWALD / cutoff; 0: none. Not with born */
 } ctNonbonded;
 
 /* Kinds of terms, with their particles and parameters, which are finite but for those of expressions. */

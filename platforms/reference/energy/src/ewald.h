@@ -2,9 +2,6 @@
 #ifndef CT_EWALD_H_
 #define CT_EWALD_H_
 
-/* The most that alpha times the cutoff can be: erfc is 2e-17 there. */
-#define CT_MOST_EWALD 6.0
-
 enum { EWALD_TERMS = 30 };
 
 /* erf(alpha r) / r up to the cutoff: the sum of coefficients[n] t^n, t = scale r^2 - 1, which is in [-1, 1].
