@@ -79,14 +79,13 @@ class TrialSession;
  * why.
  *
  * - Constant: no move can change it, such as bonds and angles whose particles keep their distances. It costs no time.
- * - Native: this library evaluates the terms that a trial changes, in microseconds. Native are NonbondedForce (without
- *   Ewald summation), HarmonicBondForce, HarmonicAngleForce, PeriodicTorsionForce, RBTorsionForce, CMAPTorsionForce,
- *   CustomBondForce, CustomAngleForce, CustomTorsionForce, CustomCompoundBondForce, CustomExternalForce,
- *   CustomNonbondedForce, and generalized Born. A CustomGBForce of another form is evaluated as a whole, in
- *   milliseconds: in each trial that passed the earlier stages, or once in many trials like a foreign Force.
- *   Forces with periodic boundary conditions are native if the StericExclusionForce has them, too. In such a box,
- *   Forces without them are native if each of their terms is of one molecule, and no place. Not native there are
- *   generalized Born, CustomGBForce, CustomExternalForce, and a CustomNonbondedForce with a long-range correction.
+ * - Native: this library evaluates the terms that a trial changes, in microseconds. Native are NonbondedForce (of Ewald
+ *   summation and PME the direct space; OpenMM evaluates the reciprocal space like a foreign Force), HarmonicBondForce,
+ *   HarmonicAngleForce, PeriodicTorsionForce, RBTorsionForce, CMAPTorsionForce, CustomBondForce, CustomAngleForce,
+ *   CustomTorsionForce, CustomCompoundBondForce, CustomExternalForce, CustomNonbondedForce, and generalized Born. A
+ *   CustomGBForce of another form is evaluated as a whole, in milliseconds: in each trial that passed the earlier
+ *   stages, or once in many trials like a foreign Force. Forces with periodic boundary conditions are native if the
+ *   StericExclusionForce has them, too. In such a box, pairs without images are foreign.
  * - Foreign: all other Forces. OpenMM evaluates each of them alone, without the rest of its force group, once in many
  *   trials (see below), or in each trial that passed the earlier stages if trials change it too much. GPU platforms
  *   evaluate force groups as a whole; there, foreign Forces that share a group with native ones are copied to an inner
