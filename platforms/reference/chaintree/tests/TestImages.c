@@ -352,8 +352,9 @@ static void testBox(const double (*first)[3]) {
   ctDestroy(tree);
 }
 
-/* Beads on a cubic lattice with half a box between them: of two images at the same distance one is listed. */
-static void testEquallyNear(void) {
+/* Beads on a cubic lattice with half a box between them, in ascending or descending order: of two images at the same
+ * distance one is listed. */
+static void testEquallyNear(bool descends) {
   enum { SIDE_COUNT = 2, COUNT = SIDE_COUNT * SIDE_COUNT * SIDE_COUNT };
   const double box[3][3] = {{2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
   double positions[3 * COUNT];
@@ -363,7 +364,7 @@ static void testEquallyNear(void) {
   uint8_t joints[COUNT];
   for (int i = 0; i < COUNT; i++) {
     for (int d = 0; d < 3; d++) {
-      positions[3 * i + d] = (i >> d & 1) + 0.3 + 2 * (i % 3);
+      positions[3 * i + d] = ((i >> d & 1) != descends) + 0.3 + 2 * (i % 3);
     }
     radii[i] = 0.1;
     links[i] = i;
@@ -500,7 +501,8 @@ int main(int argumentCount, char** arguments) {
     trialCount = atoi(arguments[1]);
   }
   const uint32_t seed = argumentCount > 2 ? (uint32_t)strtoul(arguments[2], NULL, 10) : 1;
-  testEquallyNear();
+  testEquallyNear(false);
+  testEquallyNear(true);
   testFaults();
   for (int box = 0; box < BOXES; box++) {
     testDrift(boxes[box]);
