@@ -15,7 +15,7 @@ typedef struct Tally {
 } Tally;
 
 /* Gaps so close (nm) to the cutoff may be on either side of it, and a box may be larger than its particles by that. */
-#define ALLOWANCE 2e-3
+#define ALLOWANCE 1e-3
 
 typedef struct LeafBox {
   bool isEmpty;

@@ -342,9 +342,9 @@ static bool searchLeafGroups(const LeafImages* search, int level, int node) {
 }
 
 void CT_WIDE(listLeafImages)(LeafTask* task) {
-  /* No shift is longer than the sum of both boxes' sizes and the cutoff. */
-  const double margin = floatMargin(4 * (task->size + task->cutoff));
-  const LeafImages search = {task, latticeOf(&task->sequence->box), (float)(task->cutoff * (1 + 1e-6) + 2 * margin),
+  /* No shift of near boxes is longer than the size of the state before and in the trial, and the cutoff. */
+  const double margin = floatMargin(2 * (task->size + task->cutoff));
+  const LeafImages search = {task, latticeOf(&task->sequence->box), (float)(task->cutoff * (1 + 1e-6) + 3 * margin),
                              (float)margin};
   if (task->leaves->occupied[treeSuperRoot(task->tree)] != 0) {
     searchLeafGroups(&search, task->tree->levelCount, treeSuperRoot(task->tree));
