@@ -68,7 +68,7 @@ private:
 
 /**
  * The largest errors of the energies of a kind of Force in a box, as parts of the sum of the magnitudes of all pairs,
- * or of U if it has no pairs: those that sampling holds, and those of OpenMM's platforms.
+ * or of U if it has no pairs: errors of the energy that sampling holds, and of OpenMM's platforms.
  */
 struct Errors {
     double held = 0, ofReference = 0, ofCPU = 0;

@@ -107,7 +107,7 @@ def countImages(system, arePeriodic):
 
 
 def test_dipeptide_meets_its_images():
-    """In a box as wide as the molecule is long, images exclude most of what it does without them."""
+    """In a box as wide as the molecule is long, images exclude most of its conformations."""
     system, _, start = makeSystem("alanine dipeptide", method="reaction field", torsions=("phi", "psi"))
     system.setDefaultPeriodicBoxVectors(*np.diag([0.75, 0.8, 0.72]))
     countImages(system, True)

@@ -89,7 +89,7 @@ class BeadNetwork:
         return beads, {tuple(pair) for pair in pairs[areLong].tolist() if beads.issuperset(pair)}
 
     def _divide(self, known, held, fixed):
-        """Divide the bonds into those within parts, joints between parts, and those that close rings of joints."""
+        """Divide the bonds into those within parts, joints between parts, and bonds that close rings of joints."""
         partOf = connectedParts(self._count, [pair for part in [*self.parts, sorted(fixed)] for pair in pairwise(part)])
         within = [pair for pair in known | held if partOf[pair[0]] == partOf[pair[1]]]
         between = known.difference(within)

@@ -127,8 +127,8 @@ def createStericExclusionForce(
     as in CALVADOS, COCOMO and Mpipi. They have no radius by default, since their energies keep them apart, no torsions,
     and a ball joint at each bond, also of a Topology that calls them CA. Bonds stay as long as they are in the
     positions (`setBondLengths` changes that). An elastic network of harmonic bonds, such as that of a folded domain,
-    makes a part rigid: joints lie between such parts. Other bonds that close rings, and those that join chains and that
-    the Topology lacks, are left to their energies. Warnings list these parts and bonds.
+    makes a part rigid: joints lie between such parts. Other bonds that close rings, and bonds between chains that the
+    Topology lacks, are left to their energies. Warnings list these parts and bonds.
 
     Returns
     -------

@@ -272,7 +272,7 @@ def test_elasticNetworksOfCustomBondForces(expression, isRigid):
 
 
 def test_springsBetweenSecondNeighborsMakeNothingRigid():
-    """Such as those that stand for angles: chains of triangles can bend."""
+    """Such as springs in place of angles: chains of triangles can bend."""
     topology, system = glycines(9, springs(*along(9)), springs(*((i, i + 2) for i in range(7)), length=0.6))
     force, texts = create(topology, system=system)
     assert jointsOf(force) == along(9) and "(7): " in texts[-1]

@@ -358,7 +358,7 @@ def test_disulfideAcrossAnAxis(tmp_path):
     ],
 )
 def test_bondsOfRealCrystals(name, bonded, count):
-    """A disulfide, bonds of a metal, and a chain that goes on in a copy."""
+    """A disulfide, bonds of a metal, and a chain that continues in a copy."""
     searched = ClashSearch(realStructurePath(name), symmetry=True)
     (note,) = [note for note in searched.notes if note.kind == "bonds with copies in the crystal"]
     assert len(note.items) == count
@@ -445,7 +445,7 @@ def test_moreThanTheAsymmetricUnit(tmp_path):
 
 @pytest.mark.parametrize("kind", ["pdb", "cif"])
 def test_nonCrystallographicSymmetry(tmp_path, kind):
-    """Its copies are not those of the crystal; a note tells of those that the file leaves out."""
+    """Its copies are not those of the crystal; a note names copies that the file leaves out."""
     path = writePDB(tmp_path / "crystal.pdb", [_AXIS, *GLYCINES])
     structure = gemmi.read_structure(str(path))
     for identifier, isGiven, shift in (("1", True, 0), ("2", False, 10)):

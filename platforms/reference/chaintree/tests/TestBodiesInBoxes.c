@@ -64,7 +64,7 @@ static bool clashes(const double* positions, const ctChange changes[MOVED], cons
   return isClash;
 }
 
-/* Trials that move four of the bodies anywhere. Counts free ones, and those that clash. */
+/* Trials that move four of the bodies anywhere. Counts free trials and clashes. */
 static void testManyBodies(const double (*box)[3], int found[2]) {
   static double positions[3 * COUNT];
   ctChainTree* tree = makeBodies(box, positions);

@@ -40,7 +40,7 @@ typedef struct Neighbors {
 bool ctNeighborsCreate(Neighbors* neighbors, int leafCount);
 void ctNeighborsFree(Neighbors* neighbors);
 
-/* Removes all pairs. Those that are added then may have images, or have none. */
+/* Removes all pairs. Pairs that are added afterwards may have images, or have none. */
 void ctNeighborsClear(Neighbors* neighbors, bool hasImages);
 
 /* The number of the pair of leaves a and b in an image, whose lower leaf is shifted, or CT_NULL. O(log of the row). */
