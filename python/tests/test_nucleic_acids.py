@@ -90,7 +90,10 @@ def test_duplex(runCommandHere, tmp_path):
     """Each strand hangs on its 5' end, where it was."""
     summary, frames = sample(runCommandHere, tmp_path, realStructurePath("1bna.pdb"), "--trials", 3000, "--frames", 4)
     assert summary["torsions"] == {"chi": 24, "alpha": 22, "beta": 22, "gamma": 24, "epsilon": 22, "zeta": 22}
-    assert summary["pairsBeyondLimit"] == [] and summary["notes"] == []
+    assert summary["pairsBeyondLimit"] == []
+    assert [note["kind"] for note in summary["notes"]] == [
+        "the file is of a crystal (P 21 21 21), whose copies do not count (see clashes --symmetry)"
+    ]
     for move in summary["moves"]:
         assert move["attempted"] > move["accepted"] > 0 and "rigid" not in move["name"]
     topology = app.PDBFile(str(tmp_path / "run-topology.pdb")).topology
