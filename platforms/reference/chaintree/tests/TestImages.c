@@ -446,7 +446,20 @@ static void testDrift(const double (*box)[3]) {
   for (int i = 0; i < 3 * PARTICLES; i++) {
     CHECK_NEAR(positions[1][i], positions[0][i] + away[scene.links[i / 3]][i % 3], 1e-10);
   }
-  CHECK(counts[1].volumeTests < 10 * counts[0].volumeTests); /* molecules are wrapped elsewhere */
+  CHECK(counts[1].volumeTests < 10 * counts[0].volumeTests);
+  /* Molecules are wrapped into few boxes. */
+  const ctLeafPositions* leaves = ctGetLeaves(far);
+  int particles[CT_LEAF_WIDTH * PARTICLES];
+  double low = INFINITY;
+  double high = -INFINITY;
+  ctGetLeafParticles(far, particles);
+  for (int slot = 0; slot < ctGetLeafCount(far) * CT_LEAF_WIDTH; slot++) {
+    if (particles[slot] != CT_NULL) {
+      low = fmin(low, leaves[slot / CT_LEAF_WIDTH].x[slot % CT_LEAF_WIDTH]);
+      high = fmax(high, leaves[slot / CT_LEAF_WIDTH].x[slot % CT_LEAF_WIDTH]);
+    }
+  }
+  CHECK(high - low < 10 * box[0][0]);
   CHECK(ctValidate(far));
   double* numbers = malloc(ctGetStateSize(far) * sizeof *numbers);
   ctGetState(far, numbers);
