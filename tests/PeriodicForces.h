@@ -324,16 +324,25 @@ static double sumBesidePairs(const NonbondedForce& force, const System& system, 
 
 // ---- Expressions of pairs ----
 
+/**
+ * Add the beads, each with a parameter, and their exclusions to a Force of pairs.
+ */
+template <class PairForce>
+static void addBeads(PairForce& force)
+{
+    force.addPerParticleParameter("a");
+    for (int i = 0; i < NUM_BEADS; i++) {
+        force.addParticle({getValue(i)});
+        for (int j = 0; j < i; j++)
+            if (areExcluded(j, i))
+                force.addExclusion(j, i);
+    }
+}
+
 static CustomNonbondedForce* makeCustomNonbonded(const string& expression, double cutoff)
 {
     CustomNonbondedForce* force = new CustomNonbondedForce(expression);
-    force->addPerParticleParameter("a");
-    for (int i = 0; i < NUM_BEADS; i++) {
-        force->addParticle({getValue(i)});
-        for (int j = 0; j < i; j++)
-            if (areExcluded(j, i))
-                force->addExclusion(j, i);
-    }
+    addBeads(*force);
     force->setNonbondedMethod(CustomNonbondedForce::CutoffPeriodic);
     force->setCutoffDistance(cutoff);
     return force;
@@ -506,13 +515,7 @@ static double integrateLongRange(const PeriodicKind& kind, double width)
 static Force* makeValues(double width)
 {
     CustomGBForce* force = new CustomGBForce();
-    force->addPerParticleParameter("a");
-    for (int i = 0; i < NUM_BEADS; i++) {
-        force->addParticle({getValue(i)});
-        for (int j = 0; j < i; j++)
-            if (areExcluded(j, i))
-                force->addExclusion(j, i);
-    }
+    addBeads(*force);
     force->addComputedValue("I", "a2*exp(-2*r)", CustomGBForce::ParticlePair);
     force->addComputedValue("V", "a+1/(1+I^2)", CustomGBForce::SingleParticle);
     force->addEnergyTerm("3*a*V", CustomGBForce::SingleParticle);

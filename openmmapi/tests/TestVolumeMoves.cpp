@@ -1,5 +1,5 @@
 /**
- * This tests volume moves: what they sample, which trials they allow, and what a rejected trial leaves.
+ * This tests volume moves: what they sample, which trials they allow, and that a rejected trial changes no bit.
  */
 
 #include "openmm/HarmonicBondForce.h"

@@ -144,4 +144,11 @@ static inline float radiusAbout(Sphere centre, const Block* block, const float* 
   return most16(add16(sqrt16(squaredFrom(block, centre.x, centre.y, centre.z)), load16(radii)));
 }
 
+/* A sphere around all members. */
+static inline Sphere sphereAroundBlock(const Block* block) {
+  Sphere around = middleOfBlock(block);
+  around.r += radiusAbout(around, block, block->r) * (1 + 1e-6f);
+  return around;
+}
+
 #endif /* CT_VOLUME_H_ */

@@ -135,9 +135,7 @@ static int levelOf(const Tree* tree, int node) {
 static Sphere sphereAround(Traversal* t, int node, unsigned members) {
   Block block = *blockOf(t, node);
   store16(block.r, blend16(members, all16(-INFINITY), load16(block.r)));
-  Sphere around = middleOfBlock(&block);
-  around.r += radiusAbout(around, &block, block.r) * (1 + 1e-6f);
-  return around;
+  return sphereAroundBlock(&block);
 }
 
 /* Members of a node that move, each of one body. */

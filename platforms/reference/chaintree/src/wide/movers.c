@@ -679,8 +679,7 @@ void CT_WIDE(traverseFewImages)(Traversal* t, const View* view, const PeriodicBo
   const int count = takeAllMovers(t, begin, end, movers);
   bool continues = true;
   for (int i = 0; i < count && continues; i++) {
-    Sphere around = middleOfBlock(&movers[i].block);
-    around.r += radiusAbout(around, &movers[i].block, movers[i].block.r) * (1 + 1e-6f);
+    const Sphere around = sphereAroundBlock(&movers[i].block);
     continues = testStaticImages(t, &images, &movers[i], around, treeTop(t->tree), treeRoot(t->tree));
     for (int j = i; j < count && continues; j++) {
       continues = testImagesOfMovers(t, &images, &movers[i], around, &movers[j]);
