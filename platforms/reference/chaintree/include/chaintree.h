@@ -18,6 +18,12 @@
  * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
  * the number of moves, and a state reached by accepted trials has the same bits as the same state built from scratch.
  *
+ * Flexible scenes. There a trial may also displace particles within their links. The reference position of such a
+ * particle becomes its place in its link as that stood at first. A torsion turns about the line between its two axis
+ * particles wherever they are, and a ball joint about its particle. So the state of every joint is a placement: the
+ * rotation of its link since the reference positions and the link's origin, in the parent's frame. Each turn rounds
+ * them, by some 1e-16 of their size.
+ *
  * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
  * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, is merged with
  * what does not move, and one that moves as another body does, up to as much, with that one. Pairs within merged bodies
@@ -126,6 +132,8 @@ typedef struct ctDefinition {
 
   double overlapTolerance;      /* nm, >= 0: overlap that every pair may have */
   double hydrogenBondAllowance; /* nm, >= 0: added where one particle may donate and the other accept */
+
+  bool isFlexible; /* trials may displace particles within their links, see ctProposeDisplacements */
 } ctDefinition;
 
 /* The cost of a call. Calls add to the counts that they are given, up to INT64_MAX; NULL: no counts are wanted. */
@@ -143,6 +151,12 @@ typedef struct ctChange {
   double pivot[3];    /* free joint: nm, world frame */
   double translation[3]; /* free joint: nm, world frame, after the rotation */
 } ctChange;
+
+/* A particle that a trial displaces. */
+typedef struct ctDisplacement {
+  int particle;
+  double shift[3]; /* nm, world frame */
+} ctDisplacement;
 
 /* Receives a pair with particle1 < particle2; return false to end the query. The order of pairs is not defined. */
 typedef bool ctPairFunction(void* context, int particle1, int particle2, double value);
@@ -222,8 +236,9 @@ void ctFollowPositions(ctChainTree* tree, bool isNewArray, double* positions);
  * link, in the order of the definition, if it has a torsion joint the angle turned since then (rad, in [-pi, pi]), if a
  * ball joint its rotation since then in its parent's frame (unit quaternion w, x, y, z), if a free joint the same and
  * its origin in its parent's frame (nm); in a periodic box, if it has no parent, also by how many of each box vector
- * the engine has it shifted. ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of
- * the state. O(N). */
+ * the engine has it shifted. In a flexible scene the reference positions are followed by the world's origin (nm), all
+ * joints have the numbers of a free joint, and then the origin of the link in the reference positions (nm).
+ * ctGetStateSize tells how many numbers there are. Limits and an open trial are not part of the state. O(N). */
 size_t ctGetStateSize(const ctChainTree* tree);
 void ctGetState(const ctChainTree* tree, double* state);
 
@@ -237,9 +252,9 @@ ctStatus ctSetState(ctChainTree* tree, const double* state);
  * kept with an error (see above, closed windows). O(1), and O(N) in the next call. */
 void ctRenew(ctChainTree* tree);
 
-/* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since.
- * Errors: link out of range; not a torsion joint; a dihedral that is undefined because three of its particles are
- * collinear. */
+/* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since,
+ * or in a flexible scene that of the present positions, in O(log N). Errors: link out of range; not a torsion joint; a
+ * dihedral that is undefined because three of its particles are collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
 /* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(log N).
@@ -248,8 +263,8 @@ ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
 /* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
  * with it; in the reference positions its axes are the world's and its origin is the link's particle on the torsion
- * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. Errors: link out
- * of range. */
+ * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. It stays there
+ * when that particle is displaced. Errors: link out of range. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
 /* Writes the orientation of each link, in the order of the definition: the rotation (row-major) by which it is turned
@@ -285,6 +300,12 @@ void ctGetLimits(const ctChainTree* tree, int capacity, int (*pairs)[2], double*
  * see. Errors: count or link out of range, a link named twice, a fixed joint, a torsion whose axis has no length, a
  * value that is not finite or beyond CT_MOST_LENGTH, a motion that takes a link ten times as far away. O(k log N). */
 ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
+
+/* Proposes a trial that displaces these particles, each once, while all others stay, and rejects an open one. Particles
+ * of one shift are one body. Writes nothing that a query can see. Errors: the scene is not flexible; the count or a
+ * particle out of range; a particle named twice; a fixed particle; a shift that is not finite or beyond CT_MOST_LENGTH;
+ * no memory. O(k log k). */
+ctStatus ctProposeDisplacements(ctChainTree* tree, int count, const ctDisplacement* displacements);
 
 /* *clash is true if some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid body
  * are skipped (section 2.3); so are those within merged bodies (see above, closed windows). If there is a clash and
@@ -368,6 +389,10 @@ void ctGetMoleculeShift(const ctChainTree* tree, int link, bool inTrial, double 
  * the sequence. The arrays belong to the scene, and stay until the trial ends. Without a trial there are none. O(k). */
 int ctGetTrialPieces(ctChainTree* tree, const ctPiece** pieces, const ctTransform** motions);
 int ctGetTrialLinks(ctChainTree* tree, const int** links);
+
+/* The particles that the open trial displaces within their links, in the order of the sequence. The array belongs to
+ * the scene, and stays until the trial ends. O(1). */
+int ctGetTrialParticles(const ctChainTree* tree, const int** particles);
 
 /* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
  * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but

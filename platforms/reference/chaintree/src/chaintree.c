@@ -49,7 +49,7 @@ bool ctSceneTakeBox(ctChainTree* scene, const double (*vectors)[3], char* text, 
 }
 
 static void takeReference(ctChainTree* scene, const double* positions) {
-  ctSequenceSetReference(&scene->sequence, positions);
+  ctSequenceSetReference(&scene->sequence, positions, originsOfParticles);
   ctTreeMakeOutdated(&scene->ownTree);
   ctTestersForget(scene);
   ctMergedForget(scene);
@@ -289,13 +289,21 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
   if (isnan(reference)) {
     const Joint* joint = &s->joint[own];
     const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
-    if (!dihedral(s->reference + 3 * (size_t)p[0], s->reference + 3 * (size_t)p[1], s->reference + 3 * (size_t)p[2],
-                  s->reference + 3 * (size_t)p[3], &reference)) {
+    double x[4][3];
+    if (s->isFlexible) {
+      ctGetPositionsOf(tree, false, 4, p, x[0]);
+    }
+    for (int i = 0; i < 4 && !s->isFlexible; i++) {
+      memcpy(x[i], s->reference + 3 * (size_t)p[i], sizeof x[i]);
+    }
+    if (!dihedral(x[0], x[1], x[2], x[3], &reference)) {
       return ctFail(tree, ctInvalidArgument,
                     "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],
                     p[3]);
     }
-    keepDihedral(&tree->sequence, own, reference);
+    if (!s->isFlexible) {
+      keepDihedral(&tree->sequence, own, reference);
+    }
   }
   const double pi = 3.141592653589793238462643383280;
   const double turned = ctAngleTurned(reference, s->angle[own]);

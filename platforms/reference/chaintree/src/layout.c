@@ -254,8 +254,10 @@ static void chooseOrigins(Sequence* s, const ctDefinition* d) {
   }
   int placements = 0;
   for (int link = 0; link < s->linkCount; link++) {
-    if (isPlaced(s, link)) {
-      s->joint[link].placement = placements++;
+    Joint* joint = &s->joint[link];
+    joint->originPlace = s->isFlexible && link > 0 ? s->particleCount + link : joint->origin;
+    if (isPlaced(s, link) && !s->isFlexible) {
+      joint->placement = placements++;
     }
   }
 }
@@ -277,17 +279,17 @@ static bool allocateSequence(Sequence* s, Arena* arena, const ctDefinition* d, i
   s->slotOrLink = ctArenaAllocate(arena, particles, sizeof(int));
   s->slotlessParticle = ctArenaAllocate(arena, (size_t)s->slotlessCount, sizeof(int));
   s->pathOf = ctArenaAllocate(arena, links, sizeof(int));
-  s->reference = ctArenaAllocate(arena, 3 * particles, sizeof(double));
+  s->reference = ctArenaAllocate(arena, 3 * (particles + (s->isFlexible ? links : 0)), sizeof(double));
   s->angle = ctArenaAllocate(arena, links, sizeof(double));
   s->rodrigues = ctArenaAllocate(arena, links, sizeof(double));
   s->branchHead = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   s->displaced = ctArenaAllocate(arena, (size_t)branches, sizeof(int));
   s->wrap = ctArenaAllocate(arena, (size_t)branches, sizeof *s->wrap);
-  int placements = 0;
-  for (int u = 0; u < d->linkCount; u++) {
+  size_t placements = s->isFlexible ? links : 0;
+  for (int u = 0; u < d->linkCount && !s->isFlexible; u++) {
     placements += d->linkJoints[u] == ctFreeJoint || d->linkJoints[u] == ctBallJoint;
   }
-  s->placement = ctArenaAllocate(arena, (size_t)placements, sizeof(Placement));
+  s->placement = ctArenaAllocate(arena, placements, sizeof(Placement));
   return !arena->failed;
 }
 
@@ -319,6 +321,7 @@ bool ctSequenceBuild(Sequence* s, Arena* arena, const ctDefinition* d) {
   countParticles(&layout, d);
   listChildren(&layout, d);
   sumBranches(&layout);
+  s->isFlexible = d->isFlexible;
   s->particleCount = d->particleCount;
   s->userLinkCount = d->linkCount;
   s->linkCount = layout.breadthCount;

@@ -144,6 +144,9 @@ bool ctPrepareSkip(ctChainTree* scene, ctCounts* counts) {
   return false;
 }
 
+/* nm: displacements may lengthen the arm by this before it is measured again. */
+#define MOST_LENGTHENING 10.0
+
 void ctMergedAccept(ctChainTree* scene) {
   Merged* merged = &scene->merged;
   const Trial* trial = scene->trial;
@@ -153,29 +156,62 @@ void ctMergedAccept(ctChainTree* scene) {
     merged->accumulatedError += trial->distanceError;
   }
   merged->total += trial->displacement;
+  for (int i = 0; i < trial->displacementCount; i++) {
+    const double* shift = trial->displacements[i].shift;
+    merged->lengthening += sqrt(dot(shift, shift));
+  }
+  if (merged->lengthening > MOST_LENGTHENING) {
+    merged->arm = -1;
+  }
 }
 
 /* ---- How far particles reach ---- */
 
-/* Bounds the distance, in any state, between the origin of a link and some particle that is modelled. A torsion keeps
- * the origin of its link where it is in the frame of the parent. INFINITY: no bound is known. */
+/* Where the origin particle of a link is in its frame; the world has none, but an origin. */
+static void originInLink(const Sequence* s, int link, double x[3]) {
+  if (link > 0) {
+    sequenceLocal(s, link, s->joint[link].origin, x);
+  } else {
+    x[0] = x[1] = x[2] = 0;
+  }
+}
+
+/* Bounds how far the origin particle of a link with a torsion joint is from that of its parent, in any state. */
+static double wayToParent(const Sequence* s, int link) {
+  const int parent = s->parent[link];
+  double from[3];
+  double to[3];
+  if (!s->isFlexible) {
+    sequenceOffset(s, link, to);
+    return sqrt(dot(to, to));
+  }
+  sequenceAxisEnds(s, link, from, to);
+  const double length = sqrt(squaredDistance(from, to));
+  double origin[3];
+  originInLink(s, parent, origin);
+  sequenceLocal(s, parent, s->joint[link].torsion[0], from);
+  return length + sqrt(squaredDistance(from, origin));
+}
+
+/* Bounds the distance, in any state, between the origin particle of a link and some particle that is modelled. A
+ * torsion keeps its axis particles where they are in the frames of both links. INFINITY: no bound is known. */
 static double wayToModelled(const Sequence* s, int link) {
   double way = 0;
   for (;; link = s->parent[link]) {
+    double origin[3];
+    originInLink(s, link, origin);
     double least = INFINITY;
     for (int slot = s->slotBegin[link]; slot < s->slotBegin[link + 1]; slot++) {
       if (slotIsModelled(s, slot)) {
         double local[3];
         sequenceLocal(s, link, s->slotParticle[slot], local);
-        least = lesser(least, sqrt(dot(local, local)));
+        least = lesser(least, sqrt(squaredDistance(local, origin)));
       }
     }
     if (least < INFINITY || s->jointType[link] != ctTorsionJoint) {
       return way + least;
     }
-    double offset[3];
-    sequenceOffset(s, link, offset);
-    way += sqrt(dot(offset, offset));
+    way += wayToParent(s, link);
   }
 }
 
@@ -186,8 +222,10 @@ static double measureArm(const Sequence* s) {
     if (s->slotParticle[slot] != CT_NULL && !slotIsModelled(s, slot)) {
       const int link = s->slotLink[slot];
       double local[3];
+      double origin[3];
       sequenceLocal(s, link, s->slotParticle[slot], local);
-      most = larger(most, wayToModelled(s, link) + sqrt(dot(local, local)));
+      originInLink(s, link, origin);
+      most = larger(most, wayToModelled(s, link) + sqrt(squaredDistance(local, origin)));
     }
   }
   return most;
@@ -199,6 +237,7 @@ double ctSceneReach(ctChainTree* scene) {
   const double centre[3] = {root->x, root->y, root->z};
   if (scene->merged.arm < 0) {
     scene->merged.arm = measureArm(&scene->sequence);
+    scene->merged.lengthening = 0;
   }
-  return sqrt(dot(centre, centre)) + larger((double)root->centres, 0) + scene->merged.arm;
+  return sqrt(dot(centre, centre)) + larger((double)root->centres, 0) + scene->merged.arm + scene->merged.lengthening;
 }

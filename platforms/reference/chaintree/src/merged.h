@@ -22,6 +22,7 @@ typedef struct Merged {
   int patience;            /* the same, after the next check that finds too much */
   double total;            /* nm: sum of Trial.displacement over accepted trials */
   double arm;              /* nm: no listed particle is farther from all that are modelled; below 0: not known */
+  double lengthening;      /* nm: by which displacements may have lengthened it since */
 } Merged;
 
 /* True if some body may move as another does, up to rounding. A trial of one change always moves something. */

@@ -112,7 +112,7 @@ void ctSequenceResetTorsions(Sequence* s) {
 }
 
 static uint8_t axisPlacesOf(const Sequence* s, int link) {
-  if (!ctSequenceCanTurn(s, link, s->reference)) {
+  if (!s->isFlexible && !ctSequenceCanTurn(s, link, s->reference)) { /* in a flexible scene that may change */
     return axisIsNoLine;
   }
   const int from = particleSlot(s, s->joint[link].torsion[0]);
@@ -122,11 +122,22 @@ static uint8_t axisPlacesOf(const Sequence* s, int link) {
   return areHere ? (uint8_t)(TREE_WIDTH * memberIndex(from) + memberIndex(to)) : axisElsewhere;
 }
 
-void ctSequenceSetReference(Sequence* s, const double* positions) {
+/* Makes the reference positions of origins those of their particles. */
+static void setOrigins(Sequence* s) {
+  findOrigin(s);
+  for (int link = 1; link < s->linkCount && s->isFlexible; link++) {
+    const Joint* joint = &s->joint[link];
+    memcpy(s->reference + 3 * (size_t)joint->originPlace, s->reference + 3 * (size_t)joint->origin, 3 * sizeof(double));
+  }
+}
+
+void ctSequenceSetReference(Sequence* s, const double* positions, Origins origins) {
   if (s->particleCount > 0) { /* else positions may be NULL */
     memcpy(s->reference, positions, 3 * (size_t)s->particleCount * sizeof(double));
   }
-  findOrigin(s);
+  if (origins == originsOfParticles) {
+    setOrigins(s);
+  }
   if (s->displacedCount > 0) {
     ctSequenceResetTorsions(s);
   }
@@ -138,7 +149,7 @@ void ctSequenceSetReference(Sequence* s, const double* positions) {
       s->axisPlaces[link] = axisPlacesOf(s, link);
     }
     if (isPlaced(s, link)) {
-      Placement* placement = &s->placement[s->joint[link].placement];
+      Placement* placement = placementOf(s, link);
       *placement = REFERENCE_JOINT.placement;
       if (isWrapped(s, link)) {
         JointState joint = REFERENCE_JOINT;
@@ -162,7 +173,7 @@ JointState ctSequenceGetJoint(const Sequence* s, int link) {
   JointState joint = REFERENCE_JOINT;
   joint.angle = s->angle[link];
   if (isPlaced(s, link)) {
-    joint.placement = s->placement[s->joint[link].placement];
+    joint.placement = *placementOf(s, link);
   }
   if (isWrapped(s, link)) {
     memcpy(joint.wrap, s->wrap[sequenceBranch(s, link)], sizeof joint.wrap);
@@ -190,6 +201,28 @@ JointState ctJointTurned(const JointState* joint, const double rotation[3]) {
   return turned;
 }
 
+JointState ctTorsionTurned(const Sequence* s, int link, double angle) {
+  JointState turned = ctSequenceGetJoint(s, link);
+  const Frame before = sequenceLocalFrame(s, link);
+  double from[3];
+  double to[3];
+  double axis[3];
+  sequenceAxisEnds(s, link, from, to);
+  subtract(to, from, axis);
+  const Angle half = angleOfAny(0.5 * angle);
+  const double factor = half.sine / sqrt(dot(axis, axis));
+  const double turn[4] = {half.cosine, factor * axis[0], factor * axis[1], factor * axis[2]};
+  quaternionMultiply(turned.placement.quaternion, turn, turned.placement.quaternion);
+  /* The end of the axis stays. */
+  Frame after;
+  double moved[3];
+  rotationFromQuaternion(turned.placement.quaternion, &after);
+  rotate(&after, to, moved);
+  transformPoint(&before, to, to);
+  subtract(to, moved, turned.placement.position);
+  return turned;
+}
+
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]) {
   JointState moved = ctJointTurned(joint, rotation);
@@ -207,12 +240,12 @@ JointState ctJointMoved(const JointState* joint, const double rotation[3], const
 }
 
 static bool isDisplaced(const Sequence* s, int link) {
-  if (s->jointType[link] == ctTorsionJoint) {
+  if (hasAngle(s, link)) {
     return s->angle[link] != 0;
   }
   double offset[3];
   restPosition(s, link, offset);
-  const Placement* placement = &s->placement[s->joint[link].placement];
+  const Placement* placement = placementOf(s, link);
   const double* q = placement->quaternion;
   const double* position = placement->position;
   return q[0] != 1 || q[1] != 0 || q[2] != 0 || q[3] != 0 || position[0] != offset[0] || position[1] != offset[1] ||
@@ -233,7 +266,7 @@ void ctSequenceSetJoint(Sequence* s, int link, const JointState* joint) {
   s->angle[link] = joint->angle;
   s->rodrigues[link] = rodriguesAt(s, link, joint->angle);
   if (isPlaced(s, link)) {
-    s->placement[s->joint[link].placement] = joint->placement;
+    *placementOf(s, link) = joint->placement;
   }
   if (isWrapped(s, link)) {
     memcpy(s->wrap[sequenceBranch(s, link)], joint->wrap, sizeof joint->wrap);

@@ -34,8 +34,9 @@
 /* Most slots of a side branch. */
 enum { SIDE_BRANCH_SLOTS = 2 * TREE_WIDTH };
 
-/* The rigid transform of a link with a free or ball joint in its parent's frame. A ball joint turns about the origin of
- * its link, which therefore stays at the reference position, so that bonds to it keep their lengths. */
+/* The rigid transform of a link with a free or ball joint, or in a flexible scene any joint, in its parent's frame. In
+ * a scene that is not flexible a ball joint turns about the origin of its link, which therefore stays at the reference
+ * position, so that bonds to it keep their lengths. */
 typedef struct Placement {
   double quaternion[4]; /* w, x, y, z */
   double position[3];
@@ -44,7 +45,7 @@ typedef struct Placement {
 /* The state of one joint. */
 typedef struct JointState {
   double angle;        /* torsion: turned since the reference, in [-pi, pi] */
-  Placement placement; /* free joint, ball joint */
+  Placement placement; /* of a joint that has one, see isPlaced */
   int wrap[3];         /* free joint on the world: see Sequence.wrap */
 } JointState;
 
@@ -56,10 +57,12 @@ typedef struct ParticleType {
 
 /* The particle at the origin of a link's frame, and what its joint depends on. */
 typedef struct Joint {
-  int origin; /* on the torsion axis and in the link; a ball joint's pivot; or its lowest; CT_NULL for the world */
+  int origin;      /* on the torsion axis and in the link; a ball joint's pivot; or its lowest; CT_NULL for the world */
+  int originPlace; /* the origin of the frame in the sequence's reference: that particle; in a flexible scene a place of
+                      its own, since the particle may be displaced; CT_NULL for the world */
   union {
     int torsion[3]; /* torsion joint: p2, p1 and p4 of the torsion whose p3 is the origin */
-    int placement;  /* free or ball joint: index into the sequence's placement */
+    int placement;  /* free or ball joint of a scene that is not flexible: index into the sequence's placement */
   };
 } Joint;
 
@@ -90,6 +93,7 @@ typedef struct Sequence {
   int returnFrameCount; /* paths that have return frames */
   int openPathCount;    /* the others */
   int displacedCount;   /* joints that are off the reference */
+  bool isFlexible;
 
   /* The caller's links. */
   int* linkOfUser; /* see sequenceLink; of a fixed link ~ of its lowest particle */
@@ -125,7 +129,7 @@ typedef struct Sequence {
   Frame* returnFrame; /* returnFrameCount: inverse of the whole */
 
   /* The state: reference positions, angles, placements; and what follows from the state of one joint alone. */
-  double* reference; /* 3 * particleCount, the caller's bits */
+  double* reference; /* 3 * particleCount, the caller's bits; in a flexible scene then 3 * linkCount, see originPlace */
   double worldOrigin[3];
   double* angle;
   double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions; NaN: not needed yet; allocated on
@@ -151,9 +155,11 @@ bool ctTypesBuild(Sequence* sequence, Arena* arena, const ctDefinition* definiti
 /* Sets all torsions to their reference. Placements are set by ctSequenceSetReference. */
 void ctSequenceResetTorsions(Sequence* sequence);
 
-/* Makes finite positions the reference: all angles are 0, and no joint is displaced. Products are outdated until
- * ctPathsMultiply. */
-void ctSequenceSetReference(Sequence* sequence, const double* positions);
+/* Makes finite positions the reference: all angles are 0, and no joint is displaced. `origins`: those of the world and
+ * of all links, which lie behind the reference positions of a flexible scene, are there already. Products are outdated
+ * until ctPathsMultiply. */
+typedef enum Origins { originsOfParticles, originsAreSet } Origins;
+void ctSequenceSetReference(Sequence* sequence, const double* positions, Origins origins);
 
 /* Wraps a free joint on the world if it is far from worldOrigin. Writes by how much it is shifted then. */
 void ctJointWrap(const Sequence* sequence, JointState* joint, double shift[3]);
@@ -176,10 +182,12 @@ bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* referen
 /* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
 double ctAngleTurned(double angle, double turn);
 
-/* The state of a joint; that of a ball joint, turned in the parent's frame by a rotation vector; and that of a free
- * joint, moved in the parent's frame by a rotation vector about a pivot and then by a shift. */
+/* The state of a joint; that of a ball joint, turned in the parent's frame by a rotation vector; that of a torsion
+ * joint of a flexible scene, turned about its axis as that stands now; and that of a free joint, or a ball joint of a
+ * flexible scene, moved in the parent's frame by a rotation vector about a pivot and then by a shift. */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
 JointState ctJointTurned(const JointState* joint, const double rotation[3]);
+JointState ctTorsionTurned(const Sequence* sequence, int link, double angle);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 
@@ -198,9 +206,18 @@ static inline bool isWrapped(const Sequence* s, int link) {
 /* The largest radius of a particle. */
 double ctLargestRadius(const Sequence* sequence);
 
-/* True if a link has a placement. */
+/* True if the state of a link's joint is the angle of its torsion. */
+static inline bool hasAngle(const Sequence* s, int link) {
+  return s->jointType[link] == ctTorsionJoint && !s->isFlexible;
+}
+
+/* True if it is a placement. */
 static inline bool isPlaced(const Sequence* s, int link) {
-  return s->jointType[link] == ctFreeJoint || s->jointType[link] == ctBallJoint;
+  return s->jointType[link] != ctFixedJoint && !hasAngle(s, link);
+}
+
+static inline Placement* placementOf(const Sequence* s, int link) {
+  return &s->placement[s->isFlexible ? link : s->joint[link].placement];
 }
 
 /* One past the last link that hangs on a link. */
@@ -273,8 +290,8 @@ static inline int modelledSlot(const Sequence* s, int particle) {
 
 /* The origin of a link's frame in the reference positions. */
 static inline const double* sequenceOrigin(const Sequence* s, int link) {
-  const int particle = s->joint[link].origin;
-  return particle == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)particle;
+  const int place = s->joint[link].originPlace;
+  return place == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)place;
 }
 
 /* The reference position of a particle in the frame of its link. */
@@ -304,7 +321,7 @@ static inline void sequenceRodrigues(const Sequence* s, int link, double w[3]) {
 /* The frame of a link in its parent's frame. */
 static inline Frame sequenceLocalFrame(const Sequence* s, int link) {
   Frame localFrame;
-  if (s->jointType[link] == ctTorsionJoint) {
+  if (hasAngle(s, link)) {
     double offset[3];
     double w[3];
     sequenceOffset(s, link, offset);
@@ -312,11 +329,19 @@ static inline Frame sequenceLocalFrame(const Sequence* s, int link) {
     rotationFromRodrigues(w[0], w[1], w[2], localFrame.m[0], 1);
     setTranslation(&localFrame, offset);
   } else {
-    const Placement* placement = &s->placement[s->joint[link].placement];
+    const Placement* placement = placementOf(s, link);
     rotationFromQuaternion(placement->quaternion, &localFrame);
     setTranslation(&localFrame, placement->position);
   }
   return localFrame;
+}
+
+/* Where the two axis particles of a torsion joint are in the frame of its link, as it stands now. */
+static inline void sequenceAxisEnds(const Sequence* s, int link, double from[3], double to[3]) {
+  const Frame own = sequenceLocalFrame(s, link);
+  sequenceLocal(s, s->parent[link], s->joint[link].torsion[0], from);
+  transformPointBack(&own, from, from);
+  sequenceLocal(s, link, s->joint[link].origin, to);
 }
 
 /* Most side branches around a link: each has less than half of the slots of the one around it. */

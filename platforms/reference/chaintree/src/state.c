@@ -9,15 +9,16 @@
  * numbers pass that were written with 13 digits. */
 #define UNIT_ERROR 1e-12
 
-enum { TORSION_SIZE = 1, QUATERNION_SIZE = 4, PLACEMENT_SIZE = 7, WRAPPED_SIZE = 10 };
+enum { TORSION_SIZE = 1, QUATERNION_SIZE = 4, PLACEMENT_SIZE = 7, WRAPPED_SIZE = 10, ORIGIN_SIZE = 3 };
 
-/* How many numbers the state of a joint has. Fixed links are part of the world, whose joint is fixed. */
-static int jointSize(const Sequence* s, int link) {
+/* How many numbers the state of a joint has, without those of an origin. Fixed links are part of the world, whose joint
+ * is fixed. */
+static int placedSize(const Sequence* s, int link) {
   switch (s->jointType[link]) {
     case ctTorsionJoint:
-      return TORSION_SIZE;
+      return s->isFlexible ? PLACEMENT_SIZE : TORSION_SIZE;
     case ctBallJoint:
-      return QUATERNION_SIZE;
+      return s->isFlexible ? PLACEMENT_SIZE : QUATERNION_SIZE;
     case ctFreeJoint:
       return isWrapped(s, link) ? WRAPPED_SIZE : PLACEMENT_SIZE;
     default:
@@ -25,8 +26,13 @@ static int jointSize(const Sequence* s, int link) {
   }
 }
 
+static int jointSize(const Sequence* s, int link) {
+  const int size = placedSize(s, link);
+  return size > 0 && s->isFlexible ? size + ORIGIN_SIZE : size;
+}
+
 static size_t referenceSize(const Sequence* s) {
-  return 3 * (size_t)s->particleCount;
+  return 3 * (size_t)s->particleCount + (s->isFlexible ? ORIGIN_SIZE : 0);
 }
 
 size_t ctGetStateSize(const ctChainTree* tree) {
@@ -43,29 +49,37 @@ size_t ctGetStateSize(const ctChainTree* tree) {
 
 /* ---- Joints to numbers and back ---- */
 
+/* True if the position of a link in its parent's frame is part of the state. */
+static bool hasPosition(const Sequence* s, int link) {
+  return s->isFlexible || s->jointType[link] == ctFreeJoint;
+}
+
 static void writeJoint(const Sequence* s, int link, double* numbers) {
   const JointState joint = ctSequenceGetJoint(s, link);
-  if (s->jointType[link] == ctTorsionJoint) {
+  if (hasAngle(s, link)) {
     numbers[0] = joint.angle;
   } else {
     memcpy(numbers, joint.placement.quaternion, sizeof joint.placement.quaternion);
   }
-  if (s->jointType[link] == ctFreeJoint) {
+  if (hasPosition(s, link)) {
     memcpy(numbers + QUATERNION_SIZE, joint.placement.position, sizeof joint.placement.position);
   }
   for (int k = 0; k < 3 && isWrapped(s, link); k++) {
     numbers[PLACEMENT_SIZE + k] = joint.wrap[k];
   }
+  if (s->isFlexible) {
+    memcpy(numbers + placedSize(s, link), sequenceOrigin(s, link), ORIGIN_SIZE * sizeof *numbers);
+  }
 }
 
 static JointState readJoint(const Sequence* s, int link, const double* numbers) {
   JointState joint = ctSequenceGetJoint(s, link);
-  if (s->jointType[link] == ctTorsionJoint) {
+  if (hasAngle(s, link)) {
     joint.angle = numbers[0];
   } else {
     memcpy(joint.placement.quaternion, numbers, sizeof joint.placement.quaternion);
   }
-  if (s->jointType[link] == ctFreeJoint) {
+  if (hasPosition(s, link)) {
     memcpy(joint.placement.position, numbers + QUATERNION_SIZE, sizeof joint.placement.position);
   }
   for (int k = 0; k < 3 && isWrapped(s, link); k++) {
@@ -77,7 +91,7 @@ static JointState readJoint(const Sequence* s, int link, const double* numbers) 
 /* True if these numbers can be the state of the joint, with these reference positions. */
 static bool isJoint(const Sequence* s, int link, const double* numbers, const double* reference) {
   const double pi = 3.141592653589793238462643383280;
-  if (s->jointType[link] == ctTorsionJoint) {
+  if (hasAngle(s, link)) {
     return fabs(numbers[0]) <= (ctSequenceCanTurn(s, link, reference) ? pi : 0);
   }
   double norm = 0;
@@ -90,8 +104,8 @@ static bool isJoint(const Sequence* s, int link, const double* numbers, const do
       return false;
     }
   }
-  return fabs(norm - 1) <= UNIT_ERROR &&
-         (s->jointType[link] == ctBallJoint || isJointPosition(numbers + QUATERNION_SIZE));
+  return fabs(norm - 1) <= UNIT_ERROR && (!hasPosition(s, link) || isJointPosition(numbers + QUATERNION_SIZE)) &&
+         (!s->isFlexible || areLengths(numbers + placedSize(s, link)));
 }
 
 /* ---- The whole ---- */
@@ -101,8 +115,12 @@ void ctGetState(const ctChainTree* tree, double* state) {
     return;
   }
   const Sequence* s = &tree->sequence;
-  if (s->particleCount > 0) {
-    memcpy(state, s->reference, referenceSize(s) * sizeof(double));
+  const size_t coordinates = 3 * (size_t)s->particleCount;
+  if (coordinates > 0) {
+    memcpy(state, s->reference, coordinates * sizeof(double));
+  }
+  if (s->isFlexible) {
+    memcpy(state + coordinates, s->worldOrigin, sizeof s->worldOrigin);
   }
   double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
@@ -110,6 +128,21 @@ void ctGetState(const ctChainTree* tree, double* state) {
     const int size = jointSize(s, link);
     if (size > 0) {
       writeJoint(s, link, numbers);
+    }
+    numbers += size;
+  }
+}
+
+/* Takes the origins of the world and of all links from the numbers of a flexible scene. */
+static void takeOrigins(Sequence* s, const double* state) {
+  memcpy(s->worldOrigin, state + 3 * (size_t)s->particleCount, sizeof s->worldOrigin);
+  const double* numbers = state + referenceSize(s);
+  for (int u = 0; u < s->userLinkCount; u++) {
+    const int link = sequenceLink(s, u);
+    const int size = jointSize(s, link);
+    if (size > 0) {
+      memcpy(s->reference + 3 * (size_t)s->joint[link].originPlace, numbers + placedSize(s, link),
+             ORIGIN_SIZE * sizeof *numbers);
     }
     numbers += size;
   }
@@ -125,6 +158,9 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
   if (bad != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "the reference position of particle %d " CT_NO_LENGTH, bad);
   }
+  if (s->isFlexible && !areLengths(state + 3 * (size_t)s->particleCount)) {
+    return ctFail(tree, ctInvalidArgument, "the origin of the world " CT_NO_LENGTH);
+  }
   const double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
     const int link = sequenceLink(s, u);
@@ -135,7 +171,10 @@ ctStatus ctSetState(ctChainTree* tree, const double* state) {
     numbers += size;
   }
   ctReject(tree);
-  ctSequenceSetReference(s, state);
+  if (s->isFlexible) {
+    takeOrigins(s, state);
+  }
+  ctSequenceSetReference(s, state, s->isFlexible ? originsAreSet : originsOfParticles);
   numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
     const int link = sequenceLink(s, u);

@@ -39,7 +39,8 @@ bool ctHasStructure(const ctChainTree* tree, const ctDefinition* definition) {
   }
   const Sequence* s = &tree->sequence;
   const ctDefinition* d = definition;
-  if (d->particleCount != s->particleCount || d->linkCount != s->userLinkCount || !hasArrays(d)) {
+  if (d->isFlexible != s->isFlexible || d->particleCount != s->particleCount || d->linkCount != s->userLinkCount ||
+      !hasArrays(d)) {
     return false;
   }
   for (int i = 0; i < d->particleCount; i++) {

@@ -104,11 +104,12 @@ bool ctViewMovesFew(const Traversal* t, const View* view, int* begin, int* end) 
     return false;
   }
   *begin = view->pieces[p].slotBegin;
-  while (p < view->pieceCount && view->pieces[p].body != 0) {
-    p++;
+  p = view->pieceCount;
+  while (view->pieces[p - 1].body == 0) {
+    p--;
   }
   *end = withoutPadding(t->tree, *begin, p < view->pieceCount ? view->pieces[p].slotBegin : t->tree->slotCount);
-  return p + 1 >= view->pieceCount && *end - *begin <= MOST_MOVERS;
+  return *end - *begin <= MOST_MOVERS;
 }
 
 /* ---- Descents ---- */

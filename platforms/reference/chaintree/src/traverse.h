@@ -121,8 +121,8 @@ bool ctTraversalReserve(Traversal* traversal, int pieceCount);
 int64_t ctTraverse(Traversal* traversal, const View* view, CandidateFunction* function, void* context,
                    ctCounts* counts);
 
-/* The same for a view in which only slots [begin, end) move, see ctViewMovesFew. Bounds may be loose. Calls `clashes`,
- * unless it is NULL, for each candidate first. */
+/* The same for a view in which only slots within [begin, end) move, see ctViewMovesFew. Bounds may be loose. Calls
+ * `clashes`, unless it is NULL, for each candidate first. */
 void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, CandidateFunction* function,
                    SureClashFunction* clashes, void* context, ctCounts* counts);
 
@@ -132,7 +132,7 @@ void ctTraverseFew(Traversal* traversal, const View* view, int begin, int end, C
 int64_t ctTraverseImages(Traversal* traversal, const View* view, const PeriodicBox* box, bool isPlaced,
                          CandidateFunction* function, void* context, ctCounts* counts);
 
-/* The same for a view in which only slots [begin, end) move. Bounds may be loose. */
+/* The same for a view in which only slots within [begin, end) move. Bounds may be loose. */
 void ctTraverseFewImages(Traversal* traversal, const View* view, const PeriodicBox* box, int begin, int end,
                          CandidateFunction* function, void* context, ctCounts* counts);
 
@@ -150,7 +150,7 @@ void ctTraversalPosition(Traversal* traversal, int slot, double position[3]);
 /* The squared distance of two such. */
 double ctTraversalSquaredDistance(Traversal* traversal, int slotA, int slotB);
 
-/* True if few slots move and they are consecutive: [begin, end). */
+/* True if slots move only within [begin, end), and these are few. */
 bool ctViewMovesFew(const Traversal* traversal, const View* view, int* begin, int* end);
 
 /* The view of the state as it is: one body. With its images all pairs are candidates. */

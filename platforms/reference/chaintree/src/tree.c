@@ -259,6 +259,24 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
   return dirty + refreshAbove(tree, 0, dirty);
 }
 
+int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* places, const Frame* inLeaf, int count) {
+  beginChange(tree);
+  tree->builtFrom = tree->changes.now;
+  int dirty = 0;
+  for (int i = 0; i < count; i++) {
+    const int leaf = coveringNode(places[i] >= 0 ? places[i] : sequence->slotBegin[~places[i]]);
+    if (tree->contentRevision[leaf] != tree->changes.now) {
+      noteLeaf(tree, leaf);
+      tree->dirty[dirty++] = leaf;
+    }
+    if (places[i] >= 0 && !tree->wide->refreshSlot(tree, sequence, places[i], &inLeaf[i])) {
+      tree->wide->widenAbove(tree, leaf);
+    }
+  }
+  ctSortInts(tree->dirty, dirty);
+  return dirty + noteLoose(tree, dirty);
+}
+
 /* ---- Frames ---- */
 
 Frame ctTreeFrame(const Tree* tree, int level, int node) {
@@ -275,7 +293,11 @@ Frame ctTreeFrame(const Tree* tree, int level, int node) {
 }
 
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link) {
-  return tree->wide->linkInLeaf(sequence, link);
+  return ctTreeLinkInThisLeaf(tree, sequence, link, coveringNode(sequence->slotBegin[link]));
+}
+
+Frame ctTreeLinkInThisLeaf(const Tree* tree, const Sequence* sequence, int link, int leaf) {
+  return tree->wide->linkInLeaf(sequence, link, leaf);
 }
 
 Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change) {
@@ -299,7 +321,21 @@ static Frame sideBranchParentInLeaf(const Tree* tree, const Sequence* sequence, 
   return frameOfColumns(&walk.frame);
 }
 
+/* The same in a flexible scene: the line through the axis particles where they are now. */
+static void walkToAxisNow(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
+  const Frame frame = ctTreeLinkInLeaf(tree, sequence, link);
+  double from[3];
+  sequenceAxisEnds(sequence, link, from, point);
+  subtract(point, from, direction);
+  rotate(&frame, direction, direction);
+  transformPoint(&frame, point, point);
+}
+
 void ctTreeWalkToAxis(const Tree* tree, const Sequence* sequence, int link, double point[3], double direction[3]) {
+  if (sequence->isFlexible) {
+    walkToAxisNow(tree, sequence, link, point, direction);
+    return;
+  }
   sequenceAxis(sequence, link, sequence->reference, direction);
   if (sequence->sideBranchPart[link] != notInSideBranch) {
     const Frame parent = sideBranchParentInLeaf(tree, sequence, link);

@@ -180,8 +180,20 @@ void ctTreeTighten(Tree* tree);
  * level, each once (section 3.1), or notes that their bounds are loose. Returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
+/* Recomputes what depends on the reference positions of particles at these places (ascending): slots, or ~ of the link
+ * of a particle without a slot. `inLeaf`: the frames of their links in the frames of their leaves. Bounds may be loose
+ * then. Returns how many nodes. */
+int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* places, const Frame* inLeaf, int count);
+
 /* The frame of a node in the world. O(level count). */
 Frame ctTreeFrame(const Tree* tree, int level, int node);
+
+/* Notes that particles of a leaf have new positions in its frame. */
+static inline void noteLeaf(Tree* tree, int leaf) {
+  tree->contentRevision[leaf] = tree->changes.now;
+  tree->hasSum[leaf] = false;
+  listLeaf(&tree->changes, leaf);
+}
 
 /* Begins a walk at the first link of a leaf. Its frame is that of the leaf. */
 CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
@@ -194,8 +206,9 @@ CT_INLINE void treeWalk(Walk* walk, const Sequence* sequence, int leaf) {
   }
 }
 
-/* The frame of a link in the frame of its leaf. */
+/* The frame of a link in the frame of the leaf where it begins, or of another that holds some of its slots. */
 Frame ctTreeLinkInLeaf(const Tree* tree, const Sequence* sequence, int link);
+Frame ctTreeLinkInThisLeaf(const Tree* tree, const Sequence* sequence, int link, int leaf);
 
 /* The same of a link of no side branch, which is kept as knownLink for an update by one change. */
 Frame ctTreeKnowLink(Tree* tree, const Sequence* sequence, int link, int change);

@@ -5,7 +5,7 @@
 #include "definition.h"
 #include "scene.h"
 
-static bool reserve(Trial* trial, int count) {
+bool ctTrialReserve(Trial* trial, int count) {
   if (count <= trial->capacity) {
     return true;
   }
@@ -32,6 +32,10 @@ static bool reserve(Trial* trial, int count) {
 
 void ctTrialFree(Trial* trial) {
   free(trial->changes);
+  free(trial->displacements);
+  free(trial->displaced);
+  free(trial->places);
+  free(trial->inLeaf);
   free(trial->pieces);
   free(trial->motions);
   free(trial->links);
@@ -55,7 +59,8 @@ static Frame linkFrame(const Sequence* sequence, World* w, int link) {
   return linkFromLeaf(sequence, w, link, &inLeaf);
 }
 
-/* Turns a torsion about its axis in the world. The placements of its states stay undefined: nobody reads them. */
+/* Turns a torsion about its axis in the world. Where its state is an angle, the placements of its states stay
+ * undefined: nobody reads them. */
 static void turnTorsion(TrialChange* change, const Sequence* s, World* w, Frame* motion) {
   const double angle = change->given->angle;
   double point[3];
@@ -70,19 +75,41 @@ static void turnTorsion(TrialChange* change, const Sequence* s, World* w, Frame*
   rotationFromUnit(half.cosine, factor * axis[0], factor * axis[1], factor * axis[2], turn.m[0], 1);
   transformAbout(point, &turn);
   *motion = turn;
-  change->before.angle = s->angle[change->link];
-  change->after.angle = ctAngleTurned(change->before.angle, angle);
+  if (s->isFlexible) {
+    change->isPending = true;
+    change->angle = angle;
+  } else {
+    change->before.angle = s->angle[change->link];
+    change->after.angle = ctAngleTurned(change->before.angle, angle);
+  }
 }
 
 /* Where the particle is about which a ball joint turns, in the world. */
 static void findJointCentre(const Sequence* s, World* w, int link, double pivot[3]) {
-  const int slot = particleSlot(s, s->joint[link].origin);
+  const int particle = s->joint[link].origin;
+  const int slot = particleSlot(s, particle);
   if (slot != CT_NULL) {
     treeLocal(w->tree, slot, pivot);
     transformPoint(ctWorldLeafFrame(w, coveringNode(slot)), pivot, pivot);
+  } else if (s->isFlexible) {
+    const int holder = particleLink(s, particle);
+    const Frame own = linkFrame(s, w, holder);
+    sequenceLocal(s, holder, particle, pivot);
+    transformPoint(&own, pivot, pivot);
   } else {
     const Frame own = linkFrame(s, w, link);
     translationOf(&own, pivot);
+  }
+}
+
+/* The same in the parent's frame, in a flexible scene. */
+static void findCentreInParent(const Sequence* s, int link, double pivot[3]) {
+  const int particle = s->joint[link].origin;
+  const int holder = particleLink(s, particle);
+  sequenceLocal(s, holder, particle, pivot);
+  if (holder == link) {
+    const Frame own = sequenceLocalFrame(s, link);
+    transformPoint(&own, pivot, pivot);
   }
 }
 
@@ -96,26 +123,42 @@ CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, World* w, Fram
   findJointCentre(s, w, change->link, pivot);
   transformAbout(pivot, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
-  change->isTurnOfBall = true;
+  change->isPending = true;
 }
 
-/* Finds the states of ball joints before and after the trial, which takes a walk to each: so it waits until a trial is
- * applied, since most clash. The tree must be that of the state before. If there is one walk, the update of the tree
- * starts where it ends. */
-static void turnBalls(Trial* trial, const Sequence* s, Tree* tree, World* w) {
+/* Finds the state of a ball joint after a turn in its parent's frame. */
+static JointState ballTurned(const Sequence* s, int link, const JointState* before, const double rotation[3]) {
+  if (!s->isFlexible) {
+    return ctJointTurned(before, rotation);
+  }
+  double pivot[3];
+  const double stays[3] = {0, 0, 0};
+  findCentreInParent(s, link, pivot);
+  return ctJointMoved(before, rotation, pivot, stays);
+}
+
+/* Finds the states of joints before and after the trial that are not known yet. A ball joint takes a walk: so this
+ * waits until a trial is applied, since most clash. The tree must be that of the state before. If there is one walk,
+ * the update of the tree starts where it ends. */
+static void findStates(Trial* trial, const Sequence* s, Tree* tree, World* w) {
   for (int i = 0; i < trial->count; i++) {
     TrialChange* change = &trial->changes[i];
-    if (change->isTurnOfBall) {
-      const int link = s->parent[change->link];
-      const bool isKept = trial->count == 1 && s->sideBranchPart[link] == notInSideBranch;
-      const Frame inLeaf = isKept ? ctTreeKnowLink(tree, s, link, change->link) : ctTreeLinkInLeaf(tree, s, link);
-      const Frame parent = linkFromLeaf(s, w, link, &inLeaf);
-      double rotation[3];
-      rotateBack(&parent, change->rotation, rotation);
-      change->before = ctSequenceGetJoint(s, change->link);
-      change->after = ctJointTurned(&change->before, rotation);
-      change->isTurnOfBall = false;
+    if (!change->isPending) {
+      continue;
     }
+    change->isPending = false;
+    change->before = ctSequenceGetJoint(s, change->link);
+    if (s->jointType[change->link] == ctTorsionJoint) {
+      change->after = ctTorsionTurned(s, change->link, change->angle);
+      continue;
+    }
+    const int link = s->parent[change->link];
+    const bool isKept = trial->count == 1 && s->sideBranchPart[link] == notInSideBranch;
+    const Frame inLeaf = isKept ? ctTreeKnowLink(tree, s, link, change->link) : ctTreeLinkInLeaf(tree, s, link);
+    const Frame parent = linkFromLeaf(s, w, link, &inLeaf);
+    double rotation[3];
+    rotateBack(&parent, change->rotation, rotation);
+    change->after = ballTurned(s, change->link, &change->before, rotation);
   }
 }
 
@@ -225,11 +268,12 @@ CT_NOINLINE int sortChanges(Trial* trial) {
  * Returns the caller's link that is changed twice, or CT_NULL. */
 static int describeTrial(Trial* trial, const Sequence* s, World* w, const ctChange* given, int count) {
   trial->count = count;
+  trial->displacementCount = 0;
   for (int i = 0; i < count; i++) {
     TrialChange* change = &trial->changes[i];
     change->link = sequenceLink(s, given[i].link);
     change->userLink = given[i].link;
-    change->isTurnOfBall = false;
+    change->isPending = false;
     change->given = &given[i];
     trial->links[i] = change->link;
   }
@@ -296,6 +340,18 @@ void ctTrialShow(Trial* trial, const Sequence* s) {
 
 /* ---- Propose ---- */
 
+/* True if a torsion has an axis about which it can turn. */
+static bool canTurn(const ctChainTree* tree, int link) {
+  const Sequence* s = &tree->sequence;
+  if (!s->isFlexible) {
+    return s->axisPlaces[link] != axisIsNoLine;
+  }
+  double point[3];
+  double axis[3];
+  treeAxis(&tree->ownTree, s, link, point, axis);
+  return dot(axis, axis) > 0;
+}
+
 static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
   const Sequence* s = &tree->sequence;
   if (change->link < 0 || change->link >= s->userLinkCount) {
@@ -309,7 +365,7 @@ static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {
     if (!isfinite(change->angle)) {
       return ctFail(tree, ctInvalidArgument, "the angle given for link %d is not finite", change->link);
     }
-    if (s->axisPlaces[link] == axisIsNoLine) {
+    if (!canTurn(tree, link)) {
       return ctFail(tree, ctInvalidArgument, "link %d cannot turn: its axis particles %d and %d are at one place",
                     change->link, s->joint[link].torsion[0], s->joint[link].origin);
     }
@@ -340,7 +396,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
       return status;
     }
   }
-  if (!reserve(tree->next, count > 0 ? count : 1)) {
+  if (!ctTrialReserve(tree->next, count > 0 ? count : 1)) {
     return ctFailOutOfMemory(tree);
   }
   /* Each change starts a piece, and another piece may start at its end. */
@@ -360,12 +416,16 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes) {
   if (ctMayMerge(tree->next)) {
     ctMergeBodies(tree->next, ctSceneReach(tree), ctSceneTree(tree)->levelCount);
   }
-  Trial* dropped = tree->trial;
-  tree->trial = tree->next;
-  tree->next = dropped;
-  tree->next->open = false;
-  tree->trialCount++;
+  ctTrialOpen(tree);
   return ctSuccess;
+}
+
+void ctTrialOpen(ctChainTree* scene) {
+  Trial* dropped = scene->trial;
+  scene->trial = scene->next;
+  scene->next = dropped;
+  scene->next->open = false;
+  scene->trialCount++;
 }
 
 /* ---- Apply ---- */
@@ -376,8 +436,11 @@ static int applyTrial(ctChainTree* scene, bool after) {
   Trial* trial = scene->trial;
   Sequence* s = &scene->sequence;
   Tree* tree = ctSceneLooseTree(scene);
+  if (trial->displacementCount > 0) {
+    return ctDisplacementsApply(scene, after);
+  }
   if (after) {
-    turnBalls(trial, s, tree, &scene->world);
+    findStates(trial, s, tree, &scene->world);
   }
   for (int i = 0; i < trial->count; i++) {
     const TrialChange* change = &trial->changes[i];
@@ -437,7 +500,8 @@ ctStatus ctTestTrial(ctChainTree* tree, bool* clash, int pair[2], ctCounts* coun
 /* True if positions of leaves need an update only where this trial moves something: the rest is another molecule, or
  * lies behind a closed window, and moves by rounding alone. */
 static bool movesFewLeaves(ctChainTree* tree, const Trial* trial) {
-  const bool endsStatic = trial->pieceCount > 1 && trial->pieces[trial->pieceCount - 1].body == 0;
+  const bool endsStatic =
+      trial->displacementCount == 0 && trial->pieceCount > 1 && trial->pieces[trial->pieceCount - 1].body == 0;
   const bool otherMoleculesStay = endsStatic && tree->sequence.branchCount > 1 && tree->leaves.boxes != NULL;
   return (trial->distanceError > 0 || otherMoleculesStay) && ctLeavesAreOf(&tree->leaves, ctSceneTree(tree));
 }

@@ -9,16 +9,33 @@ typedef struct TrialChange {
   int userLink; /* the caller's number of it */
   JointState before;
   JointState after;
-  bool isTurnOfBall;     /* a ball joint's, of which neither state is known yet */
-  double rotation[3];    /* of a ball joint, in the world */
+  bool isPending;        /* neither state is known yet */
+  double rotation[3];    /* then: of a ball joint, in the world */
+  double angle;          /* then: of a torsion joint of a flexible scene */
   const ctChange* given; /* by the caller, during ctPropose */
 } TrialChange;
+
+/* A particle that is displaced within its link. */
+typedef struct TrialDisplacement {
+  int particle;
+  int place;        /* its slot; if it has none, ~ of its link */
+  double shift[3];  /* in the world */
+  double before[3]; /* its reference position; not known while Trial.arePending */
+  double after[3];
+} TrialDisplacement;
 
 typedef struct Trial {
   bool open;
   int count;
-  int capacity;         /* of the arrays below, in changes */
-  TrialChange* changes; /* ascending by link */
+  int capacity;          /* of the arrays below, in changes */
+  TrialChange* changes;  /* ascending by link */
+  int displacementCount; /* if there are some, there are no changes */
+  int displacementCapacity;
+  bool arePending;                  /* no reference position is known yet */
+  TrialDisplacement* displacements; /* ascending by place */
+  int* displaced;                   /* their particles */
+  int* places;                      /* and places */
+  Frame* inLeaf;                    /* scratch: the frames of their links in their leaves */
   int pieceCount;
   int motionCount;
   Piece* pieces;
@@ -56,6 +73,16 @@ static inline void addPiece(Trial* trial, int slotBegin, int body) {
 
 /* The view of the trial. */
 View ctTrialView(const Trial* trial, double reach);
+
+/* Makes room for what `count` changes or displacements need; false, and nothing lost, if there is no memory. */
+bool ctTrialReserve(Trial* trial, int count);
+
+/* Makes the next trial the open one. */
+void ctTrialOpen(ctChainTree* scene);
+
+/* Sets the places of displaced particles in their links to those after or before the trial, and updates the tree;
+ * returns how many nodes were recomputed. */
+int ctDisplacementsApply(ctChainTree* scene, bool after);
 
 /* Fills what callers see of an open trial, once. */
 void ctTrialShow(Trial* trial, const Sequence* sequence);

@@ -14,9 +14,10 @@
 #define CT_WIDE_FUNCTIONS(F) \
   /* wide/refresh.c: the update of a tree, bottom-up. */ \
   F(void, refreshLeaf, (Tree* tree, const Sequence* sequence, int leaf)) \
-  F(Frame, linkInLeaf, (const Sequence* sequence, int link)) \
+  F(Frame, linkInLeaf, (const Sequence* sequence, int link, int leaf)) \
   F(Frame, linkAndLocalFrames, (const Sequence* sequence, int link, LocalFrames* localFrames)) \
   F(bool, refreshSideBranch, (Tree* tree, const Sequence* sequence, int link, int leaf)) \
+  F(bool, refreshSlot, (Tree* tree, const Sequence* sequence, int slot, const Frame* inLeaf)) \
   F(void, refreshInnerNode, (Tree* tree, int level, int node, const int* changed, int count)) \
   F(void, refreshLeafBound, (Tree* tree, int leaf)) \
   F(void, widenAbove, (Tree* tree, int leaf)) \

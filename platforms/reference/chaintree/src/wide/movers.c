@@ -9,14 +9,15 @@ typedef struct MoverBox {
   float ends[8];
 } MoverBox;
 
-/* Slots [begin, end), which move, in the view, among sixteen. Or a probe: a sphere that is no slot. */
+/* Slots [begin, end), in the view, among sixteen; those of body 0 are left out. Or a probe: a sphere that is no slot.
+ */
 typedef struct Movers {
   const double* probe; /* where it is; NULL: movers are slots */
   int begin;
   int end;
   int first;     /* of the sixteen; the others are empty */
   int leaf;      /* of begin */
-  unsigned bits; /* of begin to end */
+  unsigned bits; /* of begin to end, without body 0 */
   int firstLeaf; /* of all that move, which may be more; beyond lastLeaf: none */
   int lastLeaf;
   MoverBox box;
@@ -29,6 +30,18 @@ static unsigned slotBits(int begin, int end, int first) {
   const int low = begin > first ? begin - first : 0;
   const int high = end - first < TREE_WIDTH ? end - first : TREE_WIDTH;
   return low < high ? (1u << high) - (1u << low) : 0;
+}
+
+/* The same without slots of body 0. */
+static unsigned movingBits(const View* view, int begin, int end, int first) {
+  unsigned bits = slotBits(begin, end, first);
+  for (int p = pieceOf(view, end - 1); view->pieces[p].slotBegin > begin; p--) {
+    if (view->pieces[p].body == 0) {
+      bits &=
+          ~slotBits(view->pieces[p].slotBegin, p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : end, first);
+    }
+  }
+  return bits;
 }
 
 /* World coordinates of sixteen slots, starting at any. Coordinates of slot `end` and later ones may be any numbers.
@@ -86,7 +99,7 @@ static void takeMovers(Traversal* t, int begin, int end, int first, Movers* move
   movers->end = end;
   movers->first = first;
   movers->leaf = coveringNode(begin);
-  movers->bits = ((1u << (end - begin)) - 1) << (begin - first);
+  movers->bits = movingBits(view, begin, end, first);
   Float16 x = load16(world->x);
   Float16 y = load16(world->y);
   Float16 z = load16(world->z);
@@ -514,7 +527,8 @@ static bool testStaticLeaves(Traversal* t, Visit* visit, Movers* movers) {
 static bool testStatic(Traversal* t, Visit* visit, Movers* movers, int begin, int end) {
   for (int leaf = movers->firstLeaf; leaf <= movers->lastLeaf; leaf++) {
     const bool areHere = movers->first == leaf * TREE_WIDTH; /* all that move */
-    if (!testLeaf(t, visit, movers, leaf, ~(areHere ? movers->bits : slotBits(begin, end, leaf * TREE_WIDTH)))) {
+    if (!testLeaf(t, visit, movers, leaf,
+                  ~(areHere ? movers->bits : movingBits(t->view, begin, end, leaf * TREE_WIDTH)))) {
       return false;
     }
   }
@@ -629,7 +643,7 @@ static bool testStaticImages(Traversal* t, const ImagesOfMovers* images, const M
   unsigned near = nearImages16(&images->lattice, block, around, images->visit->reach);
   if (level == 0) {
     images->visit->particleTests += TREE_WIDTH;
-    near &= ~slotBits(images->begin, images->end, node * TREE_WIDTH);
+    near &= ~movingBits(t->view, images->begin, images->end, node * TREE_WIDTH);
     for (; near != 0; near &= near - 1) {
       const int k = __builtin_ctz(near);
       if (!meetImages(t, images, movers, nearMovers(images, movers, sphereOf(block, k)), node * TREE_WIDTH + k, 0)) {

@@ -64,7 +64,7 @@ static void computePlacedFrames(const Sequence* s, int begin, int end, LocalFram
   double q[4][TREE_WIDTH];
   for (int i = 0; i < TREE_WIDTH; i++) {
     const int link = begin + i < end ? begin + i : begin;
-    const Placement* placement = &s->placement[s->joint[link].placement];
+    const Placement* placement = placementOf(s, link);
     for (int k = 0; k < 4; k++) {
       q[k][i] = placement->quaternion[k];
     }
@@ -97,7 +97,7 @@ static void computeLocalFrames(const Sequence* s, int begin, int end, LocalFrame
   const unsigned all = (1u << (end - begin)) - 1;
   unsigned torsions = 0;
   for (int link = begin; link < end; link++) {
-    torsions |= (unsigned)(s->jointType[link] == ctTorsionJoint) << (link - begin);
+    torsions |= (unsigned)hasAngle(s, link) << (link - begin);
   }
   if (torsions == 0) {
     computePlacedFrames(s, begin, end, localFrames);
@@ -164,17 +164,10 @@ void CT_WIDE(refreshLeafBound)(Tree* tree, int leaf) {
   tree->bound[leaf] = boundOfLeaf(&tree->leaf[leaf]);
 }
 
-/* Notes that slots of a leaf have new positions in its frame. */
-static void noteLeaf(Tree* tree, int leaf) {
-  tree->contentRevision[leaf] = tree->changes.now;
-  tree->hasSum[leaf] = false;
-  listLeaf(&tree->changes, leaf);
-}
-
-/* The frame of a link in the frame of its leaf. Opens all links there up to `end`. */
-CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, LocalFrames* localFrames) {
+/* The frame of a link in the frame of a leaf that holds it. Opens all links there up to `end`. */
+CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int leaf, int end, LocalFrames* localFrames) {
   Walk walk;
-  treeWalk(&walk, sequence, coveringNode(sequence->slotBegin[link]));
+  treeWalk(&walk, sequence, leaf);
   computeLocalFrames(sequence, walk.link + 1, end, localFrames);
   while (walk.link < link) {
     walkToNext(&walk, sequence, &localFrames->m[0][walk.link + 1 - localFrames->first], TREE_WIDTH);
@@ -182,9 +175,9 @@ CT_INLINE Frame walkToLink(const Sequence* sequence, int link, int end, LocalFra
   return frameOfColumns(&walk.frame);
 }
 
-Frame CT_WIDE(linkInLeaf)(const Sequence* sequence, int link) {
+Frame CT_WIDE(linkInLeaf)(const Sequence* sequence, int link, int leaf) {
   LocalFrames localFrames;
-  return walkToLink(sequence, link, link + 1, &localFrames);
+  return walkToLink(sequence, link, leaf, link + 1, &localFrames);
 }
 
 /* One past the last link that a walk through a leaf opens, which is the first of the next leaf. */
@@ -196,7 +189,7 @@ static int endOfLocalFrames(const Sequence* sequence, int leaf) {
 /* The frame of a link in the frame of its leaf, and the local frames of all links there. */
 Frame CT_WIDE(linkAndLocalFrames)(const Sequence* sequence, int link, LocalFrames* localFrames) {
   const int leaf = coveringNode(sequence->slotBegin[link]);
-  return walkToLink(sequence, link, endOfLocalFrames(sequence, leaf), localFrames);
+  return walkToLink(sequence, link, leaf, endOfLocalFrames(sequence, leaf), localFrames);
 }
 
 /* Recomputes a leaf, and its shortcut. */
@@ -319,6 +312,21 @@ bool CT_WIDE(refreshSideBranch)(Tree* tree, const Sequence* sequence, int link, 
   noteLeaf(tree, leaf);
   if (!holds) {
     widenBound(tree, leaf, begin, end);
+  }
+  return holds;
+}
+
+/* Recomputes the position of one slot from the frame of its link in its leaf. The leaf's bound is only widened: false
+ * if that was necessary. */
+bool CT_WIDE(refreshSlot)(Tree* tree, const Sequence* sequence, int slot, const Frame* inLeaf) {
+  Leaf* leaf = &tree->leaf[coveringNode(slot)];
+  Columns frame;
+  double x[3];
+  columnsOf(inLeaf, &frame);
+  placeParticle(sequence, &frame, sequence->slotLink[slot], slot, leaf, x);
+  const bool holds = holdsParticle(&tree->bound[coveringNode(slot)], x, leaf->r[memberIndex(slot)]);
+  if (!holds) {
+    widenBound(tree, coveringNode(slot), slot, slot + 1);
   }
   return holds;
 }
