@@ -254,10 +254,8 @@ static void chooseOrigins(Sequence* s, const ctDefinition* d) {
   }
   int placements = 0;
   for (int link = 0; link < s->linkCount; link++) {
-    Joint* joint = &s->joint[link];
-    joint->originPlace = s->isFlexible && link > 0 ? s->particleCount + link : joint->origin;
     if (isPlaced(s, link) && !s->isFlexible) {
-      joint->placement = placements++;
+      s->joint[link].placement = placements++;
     }
   }
 }

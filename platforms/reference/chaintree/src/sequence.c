@@ -122,12 +122,13 @@ static uint8_t axisPlacesOf(const Sequence* s, int link) {
   return areHere ? (uint8_t)(TREE_WIDTH * memberIndex(from) + memberIndex(to)) : axisElsewhere;
 }
 
-/* Makes the reference positions of origins those of their particles. */
+/* Finds the origin of the world and, in a flexible scene, takes those of links from their particles. */
 static void setOrigins(Sequence* s) {
   findOrigin(s);
-  for (int link = 1; link < s->linkCount && s->isFlexible; link++) {
-    const Joint* joint = &s->joint[link];
-    memcpy(s->reference + 3 * (size_t)joint->originPlace, s->reference + 3 * (size_t)joint->origin, 3 * sizeof(double));
+  double* origin = s->reference + 3 * (size_t)s->particleCount;
+  for (int link = 0; link < s->linkCount && s->isFlexible; link++) {
+    const double* from = link == 0 ? s->worldOrigin : s->reference + 3 * (size_t)s->joint[link].origin;
+    memcpy(origin + 3 * (size_t)link, from, 3 * sizeof *origin);
   }
 }
 

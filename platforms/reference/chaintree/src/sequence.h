@@ -57,9 +57,7 @@ typedef struct ParticleType {
 
 /* The particle at the origin of a link's frame, and what its joint depends on. */
 typedef struct Joint {
-  int origin;      /* on the torsion axis and in the link; a ball joint's pivot; or its lowest; CT_NULL for the world */
-  int originPlace; /* the origin of the frame in the sequence's reference: that particle; in a flexible scene a place of
-                      its own, since the particle may be displaced; CT_NULL for the world */
+  int origin; /* on the torsion axis and in the link; a ball joint's pivot; or its lowest; CT_NULL for the world */
   union {
     int torsion[3]; /* torsion joint: p2, p1 and p4 of the torsion whose p3 is the origin */
     int placement;  /* free or ball joint of a scene that is not flexible: index into the sequence's placement */
@@ -129,7 +127,8 @@ typedef struct Sequence {
   Frame* returnFrame; /* returnFrameCount: inverse of the whole */
 
   /* The state: reference positions, angles, placements; and what follows from the state of one joint alone. */
-  double* reference; /* 3 * particleCount, the caller's bits; in a flexible scene then 3 * linkCount, see originPlace */
+  double* reference; /* 3 * particleCount, the caller's bits; in a flexible scene then 3 * linkCount: the origins of all
+                        links */
   double worldOrigin[3];
   double* angle;
   double* dihedral;  /* of a torsion joint: p1-p2-p3-p4 of the reference positions; NaN: not needed yet; allocated on
@@ -290,8 +289,11 @@ static inline int modelledSlot(const Sequence* s, int particle) {
 
 /* The origin of a link's frame in the reference positions. */
 static inline const double* sequenceOrigin(const Sequence* s, int link) {
-  const int place = s->joint[link].originPlace;
-  return place == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)place;
+  const int particle = s->joint[link].origin;
+  if (s->isFlexible) { /* the particle may be displaced */
+    return s->reference + 3 * ((size_t)s->particleCount + (size_t)link);
+  }
+  return particle == CT_NULL ? s->worldOrigin : s->reference + 3 * (size_t)particle;
 }
 
 /* The reference position of a particle in the frame of its link. */

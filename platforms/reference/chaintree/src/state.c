@@ -135,14 +135,15 @@ void ctGetState(const ctChainTree* tree, double* state) {
 
 /* Takes the origins of the world and of all links from the numbers of a flexible scene. */
 static void takeOrigins(Sequence* s, const double* state) {
+  double* origin = s->reference + 3 * (size_t)s->particleCount;
   memcpy(s->worldOrigin, state + 3 * (size_t)s->particleCount, sizeof s->worldOrigin);
+  memcpy(origin, s->worldOrigin, sizeof s->worldOrigin);
   const double* numbers = state + referenceSize(s);
   for (int u = 0; u < s->userLinkCount; u++) {
     const int link = sequenceLink(s, u);
     const int size = jointSize(s, link);
     if (size > 0) {
-      memcpy(s->reference + 3 * (size_t)s->joint[link].originPlace, numbers + placedSize(s, link),
-             ORIGIN_SIZE * sizeof *numbers);
+      memcpy(origin + 3 * (size_t)link, numbers + placedSize(s, link), ORIGIN_SIZE * sizeof *numbers);
     }
     numbers += size;
   }

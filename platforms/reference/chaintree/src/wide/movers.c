@@ -35,10 +35,9 @@ static unsigned slotBits(int begin, int end, int first) {
 /* The same without slots of body 0. */
 static unsigned movingBits(const View* view, int begin, int end, int first) {
   unsigned bits = slotBits(begin, end, first);
-  for (int p = pieceOf(view, end - 1); view->pieces[p].slotBegin > begin; p--) {
+  for (int next = end, p = pieceOf(view, end - 1); next > begin; next = view->pieces[p--].slotBegin) {
     if (view->pieces[p].body == 0) {
-      bits &=
-          ~slotBits(view->pieces[p].slotBegin, p + 1 < view->pieceCount ? view->pieces[p + 1].slotBegin : end, first);
+      bits &= ~slotBits(view->pieces[p].slotBegin, next, first);
     }
   }
   return bits;
