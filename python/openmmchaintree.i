@@ -130,6 +130,7 @@ class MinimumDistance(NamedTuple):
 %move(PivotMove)
 %move(CrankshaftMove)
 %move(VolumeMove)
+%move(GroupMove)
 
 %header %{
 static void raiseOpenMMException(const char* message) {

@@ -22,7 +22,7 @@ import numpy as np
 import openmm
 from calvados import RESIDUES, makeCalvados
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
-from slab import A1_LCD, TEMPERATURE, place
+from slab import A1_LCD, TEMPERATURE, drawShapes, place
 
 _SALT = 0.15  # mol/l
 _PIVOT, _SHIFT = 0.4, 0.3  # rad, nm: the largest of a trial
@@ -134,7 +134,7 @@ def main():
     options = parser.parse_args()
     chains, box = options.chains, options.box
     system, permittivity = makeSystem(chains, box)
-    context, integrator = makeContext(system, place(chains, box, False, len(A1_LCD)), chains)
+    context, integrator = makeContext(system, place(drawShapes(A1_LCD, chains, 1), box, False), chains)
     integrator.setTrialsPerStep(options.relaxation * chains)
     integrator.step(1)
     positions = context.getState(positions=True).getPositions(asNumpy=True)._value

@@ -10,7 +10,6 @@ samplers use one thread. The first half of a run is not counted.
 """
 
 import argparse
-import math
 import time
 import warnings
 
@@ -37,31 +36,31 @@ _CORE, _EDGE = (
     0.35,
 )  # half the dense phase, and where the dilute phase begins, in lengths of the box from the middle
 _MILLIMOLAR = 0.602214076e-3  # chains/nm³
+_DENSE = 18.0  # mM, in the dense start
+_RELAXATION = 200  # steps of moves before a run
 
 
 # ---- The System ----
 
 
-def place(chains, box, isDense, length):
-    """Return positions of compact chains on a grid in the whole box, or as dense as they fit in its middle."""
-    one = serpentine(length)
-    size = np.ptp(one, axis=0) + 0.6
-    columns = [int(box[0] // size[0]), int(box[1] // size[1])]
-    layers = math.ceil(chains / (columns[0] * columns[1]))
-    if not isDense:
-        layers = min(chains, int(box[2] // size[2]))
-        columns = [1, math.ceil(chains / layers)] if chains / layers <= columns[1] else columns
-    height = size[2] if isDense else box[2] / layers
-    index = np.arange(chains)
-    column, layer = index // layers, index % layers
-    grid = np.column_stack(
-        [
-            column % columns[0] * box[0] / columns[0],
-            column // columns[0] * box[1] / columns[1],
-            0.5 * box[2] + (layer - 0.5 * (layers - 1)) * height,
-        ]
-    )
-    return (grid[:, np.newaxis] + one).reshape(-1, 3)
+def drawShapes(sequence, count, seed):
+    """Return `count` independent shapes of a chain alone, an (count, beads, 3) array around the origin."""
+    topology, system = makeCalvados(sequence, 1, (100.0, 100.0, 100.0), TEMPERATURE)
+    sampler = Moves(topology, system, serpentine(len(sequence)), seed)
+    shapes = []
+    for _ in range(count):
+        sampler.integrator.step(10)
+        shapes.append(getPositions(sampler.context))
+    return np.array(shapes) - np.mean(shapes, axis=1, keepdims=True)
+
+
+def place(shapes, box, isDense):
+    """Return positions of chains of these shapes in the whole box, or as a dense phase in its middle: they overlap."""
+    random = np.random.default_rng(len(shapes))
+    height = len(shapes) / (box[0] * box[1] * _DENSE * _MILLIMOLAR) if isDense else box[2]
+    levels = 0.5 * box[2] + ((np.arange(len(shapes)) + 0.5) / len(shapes) - 0.5) * height
+    middles = np.column_stack([box[0] * random.random(len(shapes)), box[1] * random.random(len(shapes)), levels])
+    return (middles[:, np.newaxis] + shapes).reshape(-1, 3)
 
 
 class Moves:
@@ -90,7 +89,7 @@ class Moves:
 class Dynamics:
     """Samples by Langevin dynamics."""
 
-    def __init__(self, topology, system, positions, seed):
+    def __init__(self, system, positions, seed):
         self.integrator = openmm.LangevinIntegrator(TEMPERATURE, 0.01, 0.01)  # 1/ps, ps
         self.integrator.setRandomNumberSeed(seed)
         self.context = makeContext(system, self.integrator, positions)
@@ -102,11 +101,24 @@ class Dynamics:
         return [f"  {time:.3f} ns"]
 
 
+def begin(options, isDense):
+    """Return Moves of chains that have the shapes of single chains, after trials that remove overlaps."""
+    shapes = drawShapes(options.sequence, options.chains, options.seed)
+    topology, system = makeCalvados(options.sequence, options.chains, options.box, TEMPERATURE)
+    sampler = Moves(topology, system, place(shapes, options.box, isDense), options.seed)
+    sampler.integrator.step(_RELAXATION)
+    return sampler
+
+
 def makeContext(system, integrator, positions):
     platform = openmm.Platform.getPlatformByName("CPU")
     context = openmm.Context(system, integrator, platform, {"Threads": "1"})
     context.setPositions(positions)
     return context
+
+
+def getPositions(context):
+    return context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
 
 
 # ---- Samples ----
@@ -123,8 +135,7 @@ class Run:
             sampler.integrator.step(1)
             if spent * samples < len(self.heights) * seconds:
                 continue
-            positions = sampler.context.getState(positions=True).getPositions(asNumpy=True)
-            molecules = positions.value_in_unit(unit.nanometer).reshape(chains, -1, 3)
+            molecules = getPositions(sampler.context).reshape(chains, -1, 3)
             self.heights.append(molecules[:, :, 2].ravel())
             centred = molecules - molecules.mean(axis=1, keepdims=True)
             self.squares.append(np.mean(np.sum(centred**2, axis=2), axis=1))
@@ -189,10 +200,10 @@ def main():
     columns = {}
     for start in options.starts:
         for sampler in options.samplers:
-            topology, system = makeCalvados(options.sequence, options.chains, options.box, TEMPERATURE)
-            positions = place(options.chains, options.box, start == "dense", length)
-            make = Moves if sampler == "moves" else Dynamics
-            made = make(topology, system, positions, options.seed)
+            made = begin(options, start == "dense")
+            if sampler == "dynamics":
+                system = makeCalvados(options.sequence, options.chains, options.box, TEMPERATURE)[1]
+                made = Dynamics(system, getPositions(made.context), options.seed)
             run = Run(made, options.chains, options.seconds, options.samples)
             columns[f"{start}, {sampler}"], distances = report(f"{start}, {sampler}", run, options.box, length)
             print("\n".join(made.describe()), flush=True)

@@ -251,6 +251,13 @@ void Scene::restore()
     energy.restore();
 }
 
+Vec3 Scene::getCentroid(int molecule) const
+{
+    Vec3 centroid;
+    check(ctGetCentroid(tree.get(), definition.moleculeRoots[molecule], &centroid[0]));
+    return centroid;
+}
+
 double Scene::getTorsionAngle(int torsion)
 {
     double angle;
@@ -317,17 +324,18 @@ void Scene::setLimits(const vector<pair<int, int>>& pairs, const vector<double>&
  */
 void Scene::describe(const Proposal::Change& proposed, ctChange& change) const
 {
-    change.pivot[0] = change.pivot[1] = change.pivot[2] = 0;
+    Vec3 pivot;
     if (proposed.kind == Proposal::Torsion)
         change.link = definition.torsionLinks[proposed.index];
     else if (proposed.kind == Proposal::BallJoint)
         change.link = definition.ballJointLinks[proposed.index];
     else {
         change.link = definition.moleculeRoots[proposed.index];
-        check(ctGetCentroid(tree.get(), change.link, change.pivot));
+        pivot = getCentroid(proposed.index);
     }
     change.angle = proposed.angle;
     for (int i = 0; i < 3; i++) {
+        change.pivot[i] = pivot[i];
         change.rotation[i] = proposed.rotation[i];
         change.translation[i] = proposed.translation[i];
     }

@@ -60,6 +60,12 @@ def test_integratorParameters():
     assert integrator.addTorsionMove(1, 10 * unit.degrees, torsions=[0], count=1) == 0
     assert integrator.addTorsionMove(1, maxAngle=0.1, torsions=np.arange(3)) == 1
     assert integrator.addRigidBodyMove(1.0, 1 * unit.angstrom, 5 * unit.degrees, molecules=[0]) == 2
+    assert integrator.addGroupMove(1, 1, 180 * unit.degrees, maxDistance=60 * unit.angstrom, molecules=None) == 3
+    weight, translation, angle, distance, molecules = integrator.getGroupMoveParameters(3)
+    assert (weight, molecules) == (1, None)
+    assert (translation, angle, distance) == (1 * unit.nanometer, np.pi * unit.radian, 6 * unit.nanometer)
+    integrator.setGroupMoveParameters(3, weight=2, maxTranslation=0.5, maxAngle=0, maxDistance=4, molecules=[0, 7])
+    assert integrator.getMoveDescription(3) == "group within 4 nm ±0.5 nm ±0 rad (weight 2, 2 molecules to choose from)"
 
 
 # A call with a unit that is wrong, and the parameter that it has to name. x is a force, i an integrator, c a Context.
@@ -83,6 +89,7 @@ _WRONG = [
     (lambda x, i, c: i.addTorsionMove(1 * unit.nanometer, 1), "weight must be a number"),
     (lambda x, i, c: i.addRigidBodyMove(1, 1 * unit.degree, 1), "maxTranslation must be a length"),
     (lambda x, i, c: i.addRigidBodyMove(1, 1, 1 * unit.angstrom), "maxAngle must be an angle"),
+    (lambda x, i, c: i.addGroupMove(1, 1, 1, 1 * unit.degree), "maxDistance must be a length"),
     (lambda x, i, c: i.addClosedMove(1, 1 * unit.nanometer), "maxAngle must be an angle"),
     (lambda x, i, c: i.addClosedMove(1, 1, hop=1 * unit.degree), "hop must be a number"),
     (lambda x, i, c: i.setTorsionAngles(c, np.zeros(138) * unit.nanometer), "angles must be an angle"),

@@ -274,7 +274,11 @@ public:
         /**
          * A move added by addVolumeMove().
          */
-        VolumeMove = 7
+        VolumeMove = 7,
+        /**
+         * A move added by addGroupMove().
+         */
+        GroupMove = 8
     };
     /**
      * Who evaluates the energy of a Force for a trial.
@@ -698,6 +702,35 @@ public:
      */
     int addVolumeMove(double weight, double pressure, double maxChange);
     /**
+     * Add a move that shifts and turns a group of molecules as one rigid body: a pair of chains, or a droplet, which
+     * moves of single molecules could only dissolve and form elsewhere.
+     *
+     * Two molecules are neighbors if their centroids, in the nearest periodic images, are closer than a distance. A
+     * group consists of all molecules of the list that are neighbors of each other, directly or by way of others. A
+     * trial draws one molecule of the list, and a distance uniformly from 0 to maxDistance, so that groups of all sizes
+     * occur. The group of this molecule is translated and rotated about the mean of its centroids, as in
+     * addRigidBodyMove(). A group that is a neighbor of its own periodic image is translated only.
+     *
+     * A trial after which the group would have further members could not be reversed. Such a trial is impossible, and
+     * counts as attempted only. So groups approach each other to within the drawn distance, and other moves join them.
+     *
+     * Molecules that are not in the list are in no group and do not keep others from moving.
+     *
+     * See Frenkel and Smit, Understanding Molecular Simulation, on cluster moves; Wu, Chandler and Smit, J. Phys. Chem.
+     * 96, 4077 (1992).
+     *
+     * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxTranslation  the largest translation, at least 0, in nm
+     * @param maxAngle        the largest angle, from 0 to pi, in radians
+     * @param maxDistance     the largest distance of the centroids of neighbors, at least 0, in nm
+     * @param molecules       the molecules to choose from, each named by any one of its particles; if empty, all
+     *                        molecules without fixed particles. In Python None means all of them, and an empty list is
+     *                        an error.
+     * @return the index of the move that was added
+     */
+    int addGroupMove(double weight, double maxTranslation, double maxAngle, double maxDistance,
+                     const std::vector<int>& molecules = std::vector<int>());
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -804,6 +837,19 @@ public:
      */
     void getVolumeMoveParameters(int move, double& weight, double& pressure, double& maxChange) const;
     /**
+     * Get the parameters of a move that was added by addGroupMove(). It is an error if the move is of another kind.
+     *
+     * @param move                 the index of the move
+     * @param[out] weight          how often this move is drawn, relative to the weights of the others
+     * @param[out] maxTranslation  the largest translation, in nm
+     * @param[out] maxAngle        the largest angle, in radians
+     * @param[out] maxDistance     the largest distance of the centroids of neighbors, in nm
+     * @param[out] molecules       the molecules to choose from, each named by one of its particles; empty (in Python
+     *                             None) if they are all molecules without fixed particles
+     */
+    void getGroupMoveParameters(int move, double& weight, double& maxTranslation, double& maxAngle, double& maxDistance,
+                                std::vector<int>& molecules) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move restart from 0.
      *
@@ -906,6 +952,21 @@ public:
      * @param maxChange  the largest change of ln V, above 0 and at most 1
      */
     void setVolumeMoveParameters(int move, double weight, double pressure, double maxChange);
+    /**
+     * Set the parameters of a move that was added by addGroupMove(), which explains them. It is an error if the move is
+     * of another kind. The next trial follows them. The counts of the move restart from 0.
+     *
+     * @param move            the index of the move
+     * @param weight          how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxTranslation  the largest translation, at least 0, in nm
+     * @param maxAngle        the largest angle, from 0 to pi, in radians
+     * @param maxDistance     the largest distance of the centroids of neighbors, at least 0, in nm
+     * @param molecules       the molecules to choose from, each named by any one of its particles; if empty, all
+     *                        molecules without fixed particles. In Python None means all of them, and an empty list is
+     *                        an error.
+     */
+    void setGroupMoveParameters(int move, double weight, double maxTranslation, double maxAngle, double maxDistance,
+                                const std::vector<int>& molecules = std::vector<int>());
     /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *

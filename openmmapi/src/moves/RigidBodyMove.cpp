@@ -1,5 +1,4 @@
-#include "openmm/OpenMMException.h"
-#include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/MoleculeChoices.h"
 #include "openmmchaintree/internal/MoveDeclaration.h"
 
 using namespace ChainTreePlugin;
@@ -33,26 +32,7 @@ private:
 
 void RigidBodyMove::bind(const LinkStructure& structure, const string& name)
 {
-    const vector<LinkStructure::Molecule>& all = structure.getMolecules();
-    choices.clear();
-    vector<bool> isNamed(all.size(), false);
-    for (int particle : molecules) {
-        checkIndex(particle, structure.getParticleLinks().size(), "particle", name);
-        int molecule = structure.getParticleMolecule(particle);
-        if (all[molecule].fixed)
-            throw OpenMMException(name + " names the molecule of particle " + to_string(particle) +
-                                  ", which has fixed particles and cannot move");
-        if (isNamed[molecule])
-            throw OpenMMException(name + " names the molecule of particle " + to_string(particle) + " twice");
-        isNamed[molecule] = true;
-        choices.push_back(molecule);
-    }
-    if (molecules.empty())
-        for (int molecule = 0; molecule < (int)all.size(); molecule++)
-            if (!all[molecule].fixed)
-                choices.push_back(molecule);
-    if (choices.empty())
-        throw OpenMMException(name + " moves molecules, but all molecules have fixed particles");
+    choices = chooseMolecules(structure, molecules, name);
 }
 
 bool RigidBodyMove::draw(const TrialSession&, RandomNumberGenerator& random, Proposal& proposal)

@@ -110,6 +110,10 @@ public:
      */
     void restore();
     /**
+     * Get the centroid of a molecule without fixed particles.
+     */
+    OpenMM::Vec3 getCentroid(int molecule) const;
+    /**
      * Get the value of a torsion, in (-pi, pi]. It is an error if it is undefined.
      */
     double getTorsionAngle(int torsion);

@@ -98,6 +98,14 @@ public:
         scene.getTrialPositionsOf(particles, positions);
     }
     /**
+     * Get the centroid of a molecule of the LinkStructure without fixed particles, before the open trial. Takes O(log
+     * N) time.
+     */
+    OpenMM::Vec3 getCentroid(int molecule) const
+    {
+        return scene.getCentroid(molecule);
+    }
+    /**
      * Get the value of a torsion before the open trial, in (-pi, pi]. It is an error if it is undefined. Takes constant
      * time.
      */
