@@ -249,12 +249,8 @@ static void testTrials(Platform& platform, const Box& box, int count, int numLis
         numSpanning += tree.spansBox;
         numStiff += (!turned && group.size() > 2);
     }
-    cout << "sizes:";
-    for (int size : sizes)
-        cout << " " << size;
-    cout << ", turned " << numTurned << ", spanning " << numSpanning << ", stiff " << numStiff << endl;
     for (int size = 1; size <= numListed; size++)
-        ASSERT(sizes[size] > 0);
+        ASSERT((sizes[size] > 0) == (size < count || !isPeriodic(box)));
     ASSERT(sizes[0] > numTrials / 50 && sizes[0] < numTrials * 3 / 4);
     ASSERT(numTurned > numTrials / 10);
     ASSERT((numSpanning > numTrials / 100) == (box == SMALL));
@@ -481,7 +477,7 @@ int main()
         testTrials(platform, SKEWED, 7, 7, 1.3);
         testTrials(platform, SKEWED, 7, 4, 1.3);
         testTrials(platform, NO_BOX, 5, 5, 1.5);
-        testTrials(platform, SMALL, 9, 9, 0.58);
+        testTrials(platform, SMALL, 10, 9, 0.58);
         testIndependence(platform, SKEWED, 6, 1.3, 2);
         testIndependence(platform, SMALL, 2, 0.9, 0.8);
         testIndependence(platform, NO_BOX, 4, 1.2, 2);

@@ -709,7 +709,8 @@ public:
      * group consists of all molecules of the list that are neighbors of each other, directly or by way of others. A
      * trial draws one molecule of the list, and a distance uniformly from 0 to maxDistance, so that groups of all sizes
      * occur. The group of this molecule is translated and rotated about the mean of its centroids, as in
-     * addRigidBodyMove(). A group that is a neighbor of its own periodic image is translated only.
+     * addRigidBodyMove(). A group that is a neighbor of its own periodic image is translated only. In a periodic box, a
+     * group of all molecules of the System stays where it is.
      *
      * A trial after which the group would have further members could not be reversed. Such a trial is impossible, and
      * counts as attempted only. So groups approach each other to within the drawn distance, and other moves join them.

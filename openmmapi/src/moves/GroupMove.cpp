@@ -52,6 +52,7 @@ private:
     bool isSameGroup() const;
     /** The molecules to choose from, by their indices in the LinkStructure. */
     vector<int> choices;
+    size_t numMolecules = 0;
     bool isPeriodic = false;
     /** The centroids of all choices. */
     vector<Vec3> centroids;
@@ -72,6 +73,7 @@ string GroupMove::getSubject() const
 void GroupMove::bind(const LinkStructure& structure, const string& name)
 {
     choices = chooseMolecules(structure, molecules, name);
+    numMolecules = structure.getMolecules().size();
     isPeriodic = structure.isPeriodic();
     centroids.resize(choices.size());
 }
@@ -148,6 +150,8 @@ bool GroupMove::draw(const TrialSession& trials, RandomNumberGenerator& random, 
     const int first = random.drawIndex(choices.size());
     const double distance = maxDistance * random.drawUniform();
     findGroup(first, distance, box, group);
+    if (isPeriodic && group.members.size() == numMolecules)
+        return false; // nothing would move relative to anything else
     const Vec3 translation = random.drawPointInBall(getScale() * maxTranslation), direction = random.drawDirection();
     const double drawnAngle = random.drawSymmetric(getScale() * maxAngle), angle = group.spansBox ? 0 : drawnAngle;
     Vec3 middle;
