@@ -19,6 +19,7 @@
 #include "openmm/RBTorsionForce.h"
 #include "openmm/RMSDForce.h"
 #include "openmm/serialization/XmlSerializer.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include <typeindex>
 #include <unordered_set>
 
@@ -55,8 +56,7 @@ ForeignCopies::ForeignCopies(ContextImpl& context, const vector<const Force*>& f
 {
     for (int i = 0; i < context.getSystem().getNumParticles(); i++)
         system.addParticle(context.getSystem().getParticleMass(i));
-    Vec3 box[3];
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    const BoxVectors box = getBoxVectors(context);
     system.setDefaultPeriodicBoxVectors(box[0], box[1], box[2]);
     for (const Force* force : forces) {
         Force* copy = XmlSerializer::clone(*force);
@@ -70,8 +70,7 @@ ForeignCopies::ForeignCopies(ContextImpl& context, const vector<const Force*>& f
 double ForeignCopies::computeEnergy(const vector<int>& chosen)
 {
     outer.getPositions(positions);
-    Vec3 box[3];
-    outer.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    const BoxVectors box = getBoxVectors(outer);
     inner->setPeriodicBoxVectors(box[0], box[1], box[2]);
     inner->setPositions(positions);
     for (auto& parameter : map<string, double>(inner->getParameters())) {

@@ -63,7 +63,7 @@ void KeptGeometry::check(Scene& scene, const System& system) const
 /**
  * Get whether these are agreedPositions, up to periodic images.
  */
-bool KeptGeometry::hasImage(const vector<Vec3>& positions, const Vec3* box) const
+bool KeptGeometry::hasImage(const vector<Vec3>& positions, const BoxVectors& box) const
 {
     if (positions.size() != agreedPositions.size())
         return false;
@@ -77,7 +77,7 @@ bool KeptGeometry::hasImage(const vector<Vec3>& positions, const Vec3* box) cons
     return true;
 }
 
-bool KeptGeometry::checkPositions(const vector<Vec3>& positions, const Vec3* box, const System& system,
+bool KeptGeometry::checkPositions(const vector<Vec3>& positions, const BoxVectors& box, const System& system,
                                   const LinkStructure& structure, const StericExclusionForce& force) const
 {
     if (positions.size() != agreedPositions.size())

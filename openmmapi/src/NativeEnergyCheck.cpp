@@ -7,6 +7,7 @@
 #include "openmm/Platform.h"
 #include "openmm/System.h"
 #include "openmm/VerletIntegrator.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include "openmmchaintree/internal/ForceTranslation.h"
 #include <algorithm>
 #include <cmath>
@@ -54,13 +55,6 @@ static const double LARGE_FORCE = 25000;
 
 static const double CONTEXT_ABSOLUTE = 0.5, CONTEXT_RELATIVE = 1e-4;
 static const double CONTEXT_ROUNDING = 1e-6, CONTEXT_HUGE_ENERGY = 1e15;
-
-static BoxVectors getBox(ContextImpl& context)
-{
-    BoxVectors box;
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
-    return box;
-}
 
 static bool isRectangular(const BoxVectors& box)
 {
@@ -286,7 +280,7 @@ vector<double> NativeEnergyCheck::recompute(const vector<Vec3>& positions) const
 {
     const unique_ptr<Scene> scene = makeScene();
     scene->getEnergy().setTerms(plan.getTerms());
-    scene->setPositions(positions, getBox(context));
+    scene->setPositions(positions, getBoxVectors(context));
     scene->getEnergy().update(true);
     return plan.computeByForce(scene->getEnergy());
 }
@@ -344,9 +338,9 @@ bool NativeEnergyCheck::sayMuch(const vector<Result>& results) const
 void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEnergy& groupEnergy) const
 {
     int groups = plan.getWhollyNativeGroups();
-    if (!isRectangular(getBox(context)))
+    if (!isRectangular(getBoxVectors(context)))
         for (int force : findPeriodicPairs(plan))
-            if (context.getPlatform().getName() == "Reference" || findPairPlatform(getBox(context)) == NULL)
+            if (context.getPlatform().getName() == "Reference" || findPairPlatform(getBoxVectors(context)) == NULL)
                 groups &= ~plan.getEntries()[force].groups;
     for (int group = 0; group < NUM_GROUPS; group++) {
         if ((groups >> group & 1) == 0)
@@ -374,7 +368,7 @@ void NativeEnergyCheck::checkGroups(const vector<Result>& results, const GroupEn
  */
 vector<NativeEnergyCheck::Result> NativeEnergyCheck::evaluate(const vector<Vec3>& positions) const
 {
-    const BoxVectors box = getBox(context);
+    const BoxVectors box = getBoxVectors(context);
     Platform* ofPairs = findPairPlatform(box);
     const set<int> periodicPairs = findPeriodicPairs(plan);
     vector<int> onReference, onOther;

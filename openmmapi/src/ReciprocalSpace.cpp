@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/ReciprocalSpace.h"
 #include "openmm/internal/NonbondedForceImpl.h"
 #include "openmm/Platform.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include <algorithm>
 
 using namespace ChainTreePlugin;
@@ -85,8 +86,7 @@ void ReciprocalSpace::createInner()
 
 double ReciprocalSpace::evaluate()
 {
-    Vec3 box[3];
-    outer.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    const BoxVectors box = getBoxVectors(outer);
     inner->setPeriodicBoxVectors(box[0], box[1], box[2]);
     outer.getPositions(positions);
     inner->setPositions(positions);

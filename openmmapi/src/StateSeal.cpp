@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/StateSeal.h"
 #include "openmm/OpenMMException.h"
 #include "openmm/reference/ReferencePlatform.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include "openmmchaintree/internal/Fingerprint.h"
 #include "openmmchaintree/internal/StateNumber.h"
 #include <array>
@@ -150,7 +151,7 @@ static bool checkNumbers(const SerializationNode& node, const string& name, cons
     return true;
 }
 
-static string joinNumbers(const Vec3* box)
+static string joinNumbers(const BoxVectors& box)
 {
     string text;
     for (int i = 0; i < 9; i++)
@@ -161,11 +162,9 @@ static string joinNumbers(const Vec3* box)
 void ChainTreePlugin::writeTraits(SerializationNode& node, ContextImpl& context)
 {
     vector<Vec3> vectors;
-    Vec3 box[3];
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
     node.setStringProperty("time", writeNumber(context.getTime()))
         .setLongProperty("stepCount", context.getStepCount())
-        .setStringProperty("box", joinNumbers(box));
+        .setStringProperty("box", joinNumbers(getBoxVectors(context)));
     context.getPositions(vectors);
     node.setStringProperty("positions", NumberSums(vectors).toText());
     context.getVelocities(vectors);
@@ -177,8 +176,7 @@ void ChainTreePlugin::writeTraits(SerializationNode& node, ContextImpl& context)
 
 void ChainTreePlugin::checkTraits(const SerializationNode& node, ContextImpl& context, string& others)
 {
-    Vec3 box[3];
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
+    const BoxVectors box = getBoxVectors(context);
     if (node.getStringProperty("time") != writeNumber(context.getTime()) ||
         node.getLongProperty("stepCount") != context.getStepCount())
         fail("its time or step count was changed (or another thread used the Context while it was saved or loaded)");

@@ -2,6 +2,7 @@
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/ChainTreeKernels.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include "openmmchaintree/internal/FlagGuard.h"
 #include "openmmchaintree/internal/SystemChecks.h"
 #include "openmmchaintree/internal/TrialSession.h"
@@ -41,13 +42,6 @@ static bool haveSameBits(const vector<Vec3>& a, const vector<Vec3>& b)
 {
     static_assert(sizeof(Vec3) == 3 * sizeof(double), "a Vec3 must be three numbers and nothing else");
     return a.size() == b.size() && (a.empty() || memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
-}
-
-static BoxVectors getBox(ContextImpl& context)
-{
-    BoxVectors box;
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
-    return box;
 }
 
 /**
@@ -108,7 +102,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
     limits.setScene(*scene);
     CustomCPPForceImpl::initialize(context);
     if (scene->isPeriodic())
-        scene->setBox(getBox(context));
+        scene->setBox(getBoxVectors(context));
     else
         warnOfPeriodicForces(system);
     isInitialized = true;
@@ -195,7 +189,7 @@ void StericExclusionForceImpl::updatePositions(ContextImpl& context)
 
 void StericExclusionForceImpl::adoptPositions(ContextImpl& context, const vector<Vec3>& positions)
 {
-    const BoxVectors box = getBox(context);
+    const BoxVectors box = getBoxVectors(context);
     const bool areNew = !haveSameBits(positions, agreedPositions);
     if (areNew || !newest->hasBox(box)) {
         newest->setPositions(positions, box);
@@ -255,7 +249,7 @@ void StericExclusionForceImpl::setContextPositions(ContextImpl& context, const v
                                                    const BoxVectors& box)
 {
     FlagGuard guard(settingPositions);
-    if (scene->isPeriodic() && getBox(context) != box)
+    if (scene->isPeriodic() && getBoxVectors(context) != box)
         context.setPeriodicBoxVectors(box[0], box[1], box[2]);
     context.setPositions(positions);
     computeVirtualSites(context);
@@ -412,10 +406,8 @@ void StericExclusionForceImpl::checkCheckpoint(ContextImpl& context, const KeptG
 bool StericExclusionForceImpl::havePositionsOf(ContextImpl& context, const KeptGeometry& kept) const
 {
     vector<Vec3> positions;
-    Vec3 box[3];
     context.getPositions(positions);
-    context.getPeriodicBoxVectors(box[0], box[1], box[2]);
-    return kept.checkPositions(positions, box, context.getSystem(), *structure, *original);
+    return kept.checkPositions(positions, getBoxVectors(context), context.getSystem(), *structure, *original);
 }
 
 void StericExclusionForceImpl::loadCheckpoint(const KeptGeometry& kept)

@@ -3,6 +3,7 @@
 
 #include "openmm/System.h"
 #include "openmm/Vec3.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include "openmmchaintree/internal/CheckpointStream.h"
 #include "openmmchaintree/internal/LimitPolicy.h"
 #include "openmmchaintree/internal/LinkStructure.h"
@@ -32,9 +33,8 @@ public:
      * alone differs, or if some particles are where they were, but a link has another shape or a bond another length.
      * Returns whether they are the same but for periodic images.
      */
-    bool checkPositions(const std::vector<OpenMM::Vec3>& positions, const OpenMM::Vec3* box,
-                        const OpenMM::System& system, const LinkStructure& structure,
-                        const StericExclusionForce& force) const;
+    bool checkPositions(const std::vector<OpenMM::Vec3>& positions, const BoxVectors& box, const OpenMM::System& system,
+                        const LinkStructure& structure, const StericExclusionForce& force) const;
     /** The scene's state. */
     std::vector<double> state;
     LimitPolicy::Kept limits;
@@ -43,7 +43,7 @@ public:
 
 private:
     void checkDistance(const std::vector<OpenMM::Vec3>& positions, int particle1, int particle2) const;
-    bool hasImage(const std::vector<OpenMM::Vec3>& positions, const OpenMM::Vec3* box) const;
+    bool hasImage(const std::vector<OpenMM::Vec3>& positions, const BoxVectors& box) const;
 };
 
 } // namespace ChainTreePlugin

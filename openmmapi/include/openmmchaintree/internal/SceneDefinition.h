@@ -3,6 +3,7 @@
 
 #include "chaintree.h"
 #include "openmm/Vec3.h"
+#include "openmmchaintree/internal/BoxVectors.h"
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <array>
@@ -10,9 +11,6 @@
 #include <vector>
 
 namespace ChainTreePlugin {
-
-/** The three vectors of a periodic box, in nm. */
-typedef std::array<OpenMM::Vec3, 3> BoxVectors;
 
 /**
  * The definition of a Scene in the arrays that the engine takes, and the links there of torsions, ball joints and
