@@ -142,6 +142,17 @@ static JointList jointsOf(const Forest* forest, const ctTermSet* set, int term) 
   return joints;
 }
 
+/* True if a trial can displace a particle of a term alone. */
+static bool isDisplaceable(const ctDefinition* scene, const ctTermSet* set, int term) {
+  const int* particles = set->particles + (size_t)term * (size_t)set->particlesPerTerm;
+  for (int i = 0; i < set->particlesPerTerm && scene->isFlexible; i++) {
+    if (vertexOf(scene, scene->particleLinks[particles[i]]) != 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
 /* ---- The lists ---- */
 
 static WideTerm makeWideTerm(const TermSet* set, int term) {
@@ -161,7 +172,7 @@ static size_t countTerms(const Forest* forest, int setCount, const ctTermSet* gi
     sets[s].changeableCount = 0;
     for (int term = 0; term < given[s].count; term++) {
       const JointList joints = jointsOf(forest, &given[s], term);
-      sets[s].changeableCount += joints.count > 0;
+      sets[s].changeableCount += joints.count > 0 || isDisplaceable(forest->scene, &given[s], term);
       if (joints.count > MOST_JOINTS) {
         wideCount++;
         continue;

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "dependence.h"
+#include "heldterms.h"
 #include "molecules.h"
 
 struct Terms {
@@ -19,6 +20,7 @@ struct Terms {
   uint8_t* repeats;    /* terms that share the dihedral of the term before */
   int* moleculeOfSlot; /* see ctFindMolecules */
   Dependence dependence;
+  HeldTerms held;
 
   /* Long terms of nearest images: a turn of all of their particles changes them, too. */
   bool isPeriodic;
@@ -30,7 +32,7 @@ struct Terms {
 
   /* The open trial. */
   uint32_t trial;
-  uint32_t* termTrials; /* of each term: the last trial of several links that computed it */
+  uint32_t* termTrials; /* of each term: the last trial of several links or of displaced particles that computed it */
   int changedCount;
   int* changedTerms; /* in the order in which they were computed */
   double* newValues;
@@ -104,14 +106,19 @@ static bool allocateTerms(Terms* terms) {
   return true;
 }
 
-/* Finds the molecule of each slot, and the sets whose values change if molecules are shifted by box vectors. */
-static bool findMolecules(Terms* terms, const ctDefinition* scene, const ctTermSet* sets, const int* slotOf) {
+/* Up to the last one with a particle. */
+static int countSlots(const ctDefinition* scene, const int* slotOf) {
   int slotCount = 0;
   for (int i = 0; i < scene->particleCount; i++) {
     slotCount = slotOf[i] >= slotCount ? slotOf[i] + 1 : slotCount;
   }
+  return slotCount;
+}
+
+/* Finds the molecule of each slot, and the sets whose values change if molecules are shifted by box vectors. */
+static bool findMolecules(Terms* terms, const ctDefinition* scene, const ctTermSet* sets, const int* slotOf) {
   int* molecules = ctFindMolecules(scene);
-  terms->moleculeOfSlot = calloc((size_t)slotCount + 1, sizeof *terms->moleculeOfSlot);
+  terms->moleculeOfSlot = calloc((size_t)countSlots(scene, slotOf) + 1, sizeof *terms->moleculeOfSlot);
   if (molecules == NULL || terms->moleculeOfSlot == NULL) {
     free(molecules);
     return false;
@@ -159,7 +166,9 @@ ctStatus ctTermsCreate(const ctDefinition* scene, int setCount, const ctTermSet*
   Terms* made = calloc(1, sizeof *made);
   if (made == NULL || !describeSets(made, setCount, sets, slotOf) || !allocateTerms(made) ||
       !findMolecules(made, scene, sets, slotOf) ||
-      !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) || !allocateScratch(made)) {
+      !ctDependenceCreate(scene, setCount, sets, made->sets, &made->dependence) ||
+      (scene->isFlexible && !ctHeldTermsCreate(countSlots(scene, slotOf), setCount, made->sets, &made->held)) ||
+      !allocateScratch(made)) {
     ctTermsDestroy(made);
     snprintf(errorText, errorSize, "out of memory");
     return ctOutOfMemory;
@@ -185,6 +194,7 @@ void ctTermsDestroy(Terms* terms) {
   free(terms->savedIsLong);
   free(terms->longTerms);
   ctDependenceFree(&terms->dependence);
+  ctHeldTermsFree(&terms->held);
   free(terms->termTrials);
   free(terms->changedTerms);
   free(terms->newValues);
@@ -331,13 +341,20 @@ static void changeTerm(Change* change, int term) {
   change->sum += changeOf(terms->values[term], value);
 }
 
+/* Begins to stamp terms, so that none is computed twice. */
+static void beginStamps(Terms* terms) {
+  if (++terms->trial == 0) {
+    memset(terms->termTrials, 0, (size_t)terms->termCount * sizeof *terms->termTrials);
+    terms->trial = 1;
+  }
+}
+
 /* The terms that are listed with changed links. One in the lists of several is taken from the first. */
 static void changeListedTerms(Change* change) {
   Terms* terms = change->evaluation.terms;
   const TrialView* view = change->evaluation.view;
-  if (view->linkCount > 1 && ++terms->trial == 0) {
-    memset(terms->termTrials, 0, (size_t)terms->termCount * sizeof *terms->termTrials);
-    terms->trial = 1;
+  if (view->linkCount > 1) {
+    beginStamps(terms);
   }
   for (int l = 0; l < view->linkCount; l++) {
     const size_t end = terms->dependence.begin[view->links[l] + 1];
@@ -427,10 +444,7 @@ static void changeLongTerms(Change* change) {
   if (terms->longCount == 0) {
     return;
   }
-  if (++terms->trial == 0) {
-    memset(terms->termTrials, 0, (size_t)terms->termCount * sizeof *terms->termTrials);
-    terms->trial = 1;
-  }
+  beginStamps(terms);
   for (int i = 0; i < terms->changedCount; i++) {
     terms->termTrials[terms->changedTerms[i]] = terms->trial;
   }
@@ -448,10 +462,34 @@ static void changeLongTerms(Change* change) {
   }
 }
 
+/* All terms that hold a displaced particle. One of several is taken from the list of the first. */
+static void changeHeldTerms(Change* change) {
+  Terms* terms = change->evaluation.terms;
+  const HeldTerms* held = &terms->held;
+  const TrialView* view = change->evaluation.view;
+  beginStamps(terms);
+  for (int piece = 0; piece < view->pieceCount; piece++) {
+    if (view->pieces[piece].body == 0) {
+      continue;
+    }
+    const int begin = view->pieces[piece].slotBegin;
+    const int end = pieceEnd(view, piece);
+    for (size_t i = held->begin[begin]; i < held->begin[end < held->slotCount ? end : held->slotCount]; i++) {
+      const int term = held->terms[i];
+      if (terms->termTrials[term] != terms->trial) {
+        terms->termTrials[term] = terms->trial;
+        changeTerm(change, term);
+      }
+    }
+  }
+}
+
 double ctTermsChange(Terms* terms, const TrialView* view) {
   Change change = {.evaluation = beginEvaluation(terms, view)};
   terms->changedCount = 0;
-  if (view->pieceCount > 0) {
+  if (view->pieceCount > 0 && view->linkCount == 0 && terms->held.begin != NULL) {
+    changeHeldTerms(&change);
+  } else if (view->pieceCount > 0) {
     changeListedTerms(&change);
     changeSingles(&change);
     changeAcross(&change);

@@ -1,4 +1,4 @@
-/* Terms: functions of a few particles, each with the joints that change it and its value. */
+/* Terms: functions of a few particles, each with what changes it and its value. */
 #ifndef CT_TERMS_H_
 #define CT_TERMS_H_
 
@@ -18,7 +18,7 @@ void ctTermsRefresh(Terms* terms, const ctChainTree* tree, const ctLeafPositions
 
 int ctTermsSetCount(const Terms* terms);
 
-/* The sum of a set's values; how many of its terms some joint can change. */
+/* The sum of a set's values; how many of its terms some trial can change. */
 double ctTermsSum(const Terms* terms, int set);
 int ctTermsCountChangeable(const Terms* terms, int set);
 

@@ -19,7 +19,7 @@ typedef struct TermSet {
   bool isAnchored;        /* moves of a whole term change it */
   int groupCount;         /* of a term of centroids, as the next */
   double (*centroids)[3]; /* scratch: of each group */
-  int changeableCount;    /* terms that some joint can change */
+  int changeableCount;    /* terms that some trial can change */
   bool isPeriodic;        /* see ctTermSet */
   bool isUnshifted;       /* in a periodic box it is of positions without the shifts of molecules */
 } TermSet;

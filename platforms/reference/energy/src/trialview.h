@@ -10,7 +10,7 @@ typedef struct TrialView {
   int pieceCount;
   const ctPiece* pieces;
   const ctTransform* motions; /* of each body */
-  int linkCount;
+  int linkCount;    /* 0: the trial displaces single particles, each of which is a piece */
   const int* links; /* the caller's links that the trial changes */
 } TrialView;
 

@@ -408,8 +408,41 @@ static void checkDrift(const Model* m, ctChainTree* tree, ctEnergy* energy, cons
   CHECK_NEAR(ofValues, expected, 1e-6 * size);
 }
 
+/* Proposes turns of joints, and motions of molecules. */
+static void proposeChanges(const Model* m, ctChainTree* tree, int trial) {
+  ctChange changes[2] = {{0}};
+  const int changeCount = 1 + (drawn() < 0.3);
+  for (int c = 0; c < changeCount; c++) {
+    changes[c].link = trial % 4 == 0 ? LINKS - 1 - c * BEADS : ((int)(drawn() * (LINKS / 2)) * 2 + c) % LINKS;
+    const bool turns = m->scene.joints[changes[c].link] != ctFreeJoint || drawn() < 0.7;
+    for (int d = 0; d < 3; d++) {
+      changes[c].rotation[d] = turns ? drawnBetween(-2, 2) : 0;
+      changes[c].translation[d] = drawnBetween(-4, 4);
+      changes[c].pivot[d] = drawnBetween(0, 3);
+    }
+  }
+  CHECK_SUCCESS(ctPropose(tree, changeCount, changes));
+}
+
+/* Displaces up to four particles, neighbours or any. */
+static void proposeDisplacements(ctChainTree* tree) {
+  ctDisplacement displacements[4];
+  const int count = 1 + (int)(4 * drawn());
+  const int first = (int)(PARTICLES * drawn());
+  const int step = drawn() < 0.5 ? 1 : 17;
+  for (int i = 0; i < count; i++) {
+    displacements[i].particle = (first + i * step) % PARTICLES;
+    for (int d = 0; d < 3; d++) {
+      displacements[i].shift[d] = i == 2 ? displacements[0].shift[d] : drawnBetween(-0.2, 0.2);
+    }
+  }
+  CHECK_SUCCESS(ctProposeDisplacements(tree, count, displacements));
+}
+
 /* Alpha of Ewald summation times the cutoff; 0: a reaction field instead. */
 static double reach;
+
+static bool isFlexible;
 
 static void testBox(const double (*box)[3]) {
   static Model model;
@@ -423,6 +456,7 @@ static void testBox(const double (*box)[3]) {
   ctDefinition scene = describeScene(&model.scene, box, 0.1);
   fillModel(&model, fmin(fmin(box[0][0], box[1][1]), box[2][2]));
   scene.listed = model.listed;
+  scene.isFlexible = isFlexible;
   const ctEnergyDefinition definition = describeEnergy(&model, &scene, &nonbonded, &pairSet, &group, sets, &values);
   nonbonded.ewaldAlpha = reach / model.cutoff;
   nonbonded.switchingDistance = reach == 2.5 ? INFINITY : nonbonded.switchingDistance;
@@ -436,19 +470,12 @@ static void testBox(const double (*box)[3]) {
   computeEnergies(&model, &definition, box, positions, &before);
   checkEnergies(energy, &before);
   for (int t = 0; t < TRIALS; t++) {
-    ctChange changes[2] = {{0}};
-    const int changeCount = 1 + (drawn() < 0.3);
-    for (int c = 0; c < changeCount; c++) {
-      changes[c].link = t % 4 == 0 ? LINKS - 1 - c * BEADS : ((int)(drawn() * (LINKS / 2)) * 2 + c) % LINKS;
-      const bool turns = model.scene.joints[changes[c].link] != ctFreeJoint || drawn() < 0.7;
-      for (int d = 0; d < 3; d++) {
-        changes[c].rotation[d] = turns ? drawnBetween(-2, 2) : 0;
-        changes[c].translation[d] = drawnBetween(-4, 4);
-        changes[c].pivot[d] = drawnBetween(0, 3);
-      }
-    }
     double change = 0;
-    CHECK_SUCCESS(ctPropose(tree, changeCount, changes));
+    if (isFlexible && t % 3 != 0) {
+      proposeDisplacements(tree);
+    } else {
+      proposeChanges(&model, tree, t);
+    }
     for (int part = 0; part < CT_ENERGY_PARTS; part++) {
       double ofPart = NAN;
       CHECK(ctComputeEnergyChange(energy, (ctEnergyPart)part, &ofPart, NULL) == ctSuccess);
@@ -514,8 +541,9 @@ static void testNarrowBox(void) {
 int main(void) {
   testNarrowBox();
   for (int box = 0; box < BOXES; box++) {
-    for (int n = 0; n < 3; n++) {
-      reach = ((const double[]){0, 2.5, 4})[n];
+    for (int n = 0; n < 5; n++) {
+      reach = ((const double[]){0, 2.5, 4, 0, 2.5})[n];
+      isFlexible = n >= 3;
       checkInstructionSets(testBox, boxes[box], 1 + (uint32_t)box);
     }
   }

@@ -33,6 +33,7 @@ int main(void) {
   given[1].parameters = periodic;
   printf("\n"); /* its buffer is no leak of ours */
   makeSmallScene(&scene, CT_NULL);
+  scene.definition.isFlexible = true;
   const int before = live;
   int n = 0;
   do {

@@ -1,5 +1,5 @@
-/* Terms of every kind in random scenes against an oracle: what each joint changes, random programs of trials, new
- * states, and terms that many joints change. */
+/* Terms of every kind in random scenes against an oracle: what each joint and each displaced particle changes, random
+ * programs of trials, new states, and terms that many joints change. */
 #include "termscene.h"
 
 static TermScene scene;
@@ -27,9 +27,9 @@ static void drawLargeScene(uint64_t seed) {
 /* A term that more joints change is not listed with each. */
 enum { MOST_LISTED_JOINTS = 8 };
 
-/* One term at a time, each joint on its own. A term is constant if no joint changes it. A joint that does not change a
- * term does not even recompute it, unless many others change it: the change is exactly 0. */
-static void testTerm(uint64_t seed, int number) {
+/* One term at a time, each joint on its own. A joint that does not change a term does not even recompute it, unless
+ * many others change it: the change is exactly 0. Returns how many change it. */
+static int testJointsOfTerm(uint64_t seed, int number) {
   Branches* b = &scene.branches;
   const ctTermSet* set = &scene.random.sets[0];
   int changers = 0;
@@ -49,22 +49,93 @@ static void testTerm(uint64_t seed, int number) {
     changers += isChanged;
     idlers += !isChanged && found != 0;
   }
-  if (ctTermsCountChangeable(scene.terms, 0) != (changers > 0) || (idlers > 0 && changers <= MOST_LISTED_JOINTS)) {
-    reportFailure("seed %d, term %d of kind %d: changed by %d joints, by 0 by %d; changeable: %d\n", (int)seed, number,
-                  (int)set->kind, changers, idlers, ctTermsCountChangeable(scene.terms, 0));
+  if (idlers > 0 && changers <= MOST_LISTED_JOINTS) {
+    reportFailure("seed %d, term %d of kind %d: changed by %d joints, by 0 by %d\n", (int)seed, number, (int)set->kind,
+                  changers, idlers);
+  }
+  return changers;
+}
+
+static void checkChangeable(uint64_t seed, int number, bool isChangeable) {
+  if (ctTermsCountChangeable(scene.terms, 0) != isChangeable) {
+    reportFailure("seed %d, term %d of kind %d: changeable: %d\n", (int)seed, number, (int)scene.random.sets[0].kind,
+                  ctTermsCountChangeable(scene.terms, 0));
   }
 }
 
+/* Draws a scene of one term; false if that counts as changeable and never changes. */
+static bool drawTerm(void) {
+  drawTerms(&scene.branches, &scene.random, 0, 1);
+  const ctTermSet* set = &scene.random.sets[0];
+  return set->kind != ctPeriodicTorsionTerm || set->parameters[0] != 0;
+}
+
+/* A term is constant if no joint changes it. */
 static void testJoints(uint64_t seed) {
   drawSmallScene(seed);
   for (int i = 0; i < 60; i++) {
-    drawTerms(&scene.branches, &scene.random, 0, 1);
-    const ctTermSet* set = &scene.random.sets[0];
-    if (set->kind == ctPeriodicTorsionTerm && set->parameters[0] == 0) {
-      continue; /* counts as changeable, and never changes */
+    if (drawTerm()) {
+      createTermScene(&scene);
+      checkChangeable(seed, i, testJointsOfTerm(seed, i) > 0);
+      destroyTermScene(&scene);
+    }
+  }
+}
+
+/* ---- What each displaced particle changes ---- */
+
+static bool holds(const ctTermSet* set, int particle) {
+  for (int i = 0; i < set->particlesPerTerm; i++) {
+    if (set->particles[i] == particle) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/* Each particle on its own changes a term that holds it, within a link too, and no other. Returns how many of these can
+ * be displaced. */
+static int testParticlesOfTerm(void) {
+  Branches* b = &scene.branches;
+  int holders = 0;
+  for (int atom = 0; atom < b->atomCount; atom++) {
+    if (isFixed(b, atom)) {
+      continue;
+    }
+    const ctDisplacement displacement = {atom, {0.01, -0.02, 0.015}};
+    CHECK_SUCCESS(ctProposeDisplacements(scene.tree, 1, &displacement));
+    long double size;
+    const long double expected = changeOfOracle(&scene, &size);
+    const double found = changeOfTerms(&scene);
+    CHECK_NEAR(found, (double)expected, (double)(1e-9L * size));
+    holders += holds(&scene.random.sets[0], atom);
+    CHECK(holds(&scene.random.sets[0], atom) || found == 0);
+  }
+  return holders;
+}
+
+/* A term is constant if all of its particles are fixed. Joints change the same terms as in a rigid scene, also after
+ * bonds and angles have changed, on which axes depend. */
+static void testParticles(uint64_t seed) {
+  ctDisplacement displacements[MOST_DISPLACED];
+  drawSmallScene(seed);
+  scene.branches.isFlexible = true;
+  for (int i = 0; i < 60; i++) {
+    if (!drawTerm()) {
+      continue;
     }
     createTermScene(&scene);
-    testTerm(seed, i);
+    checkChangeable(seed, i, testParticlesOfTerm() > 0);
+    for (int trial = 0; trial < 20; trial++) {
+      const int count = drawDisplacements(&scene.branches, 0.02, displacements);
+      CHECK_SUCCESS(ctProposeDisplacements(scene.tree, count, displacements));
+      long double size;
+      const long double expected = changeOfOracle(&scene, &size);
+      CHECK_NEAR(changeOfTerms(&scene), (double)expected, (double)(1e-9L * size));
+      acceptTrial(&scene);
+    }
+    checkSums(&scene);
+    testJointsOfTerm(seed, i);
     destroyTermScene(&scene);
   }
 }
@@ -87,16 +158,29 @@ static int drawChanges(Branches* b, ctChange* changes) {
   return count;
 }
 
-static void testProgram(uint64_t seed, int trials) {
+/* Proposes changes of joints or, in a flexible scene, displacements. */
+static void proposeAny(void) {
   static ctChange changes[MOST_ATOMS];
+  ctDisplacement displacements[MOST_DISPLACED];
+  Branches* b = &scene.branches;
+  if (b->isFlexible && drawBelow(b, 2) == 0) {
+    const int count = drawDisplacements(b, 0.02, displacements);
+    CHECK_SUCCESS(ctProposeDisplacements(scene.tree, count, displacements));
+  } else {
+    CHECK_SUCCESS(ctPropose(scene.tree, drawChanges(b, changes), changes));
+  }
+}
+
+static void testProgram(uint64_t seed, int trials, bool isFlexible) {
   static double positions[3 * MOST_ATOMS];
   drawLargeScene(seed);
   Branches* b = &scene.branches;
+  b->isFlexible = isFlexible;
   drawTerms(b, &scene.random, 12, 30);
   createTermScene(&scene);
   checkSums(&scene);
   for (int t = 0; t < trials; t++) {
-    CHECK_SUCCESS(ctPropose(scene.tree, drawChanges(b, changes), changes));
+    proposeAny();
     long double size;
     const long double expected = changeOfOracle(&scene, &size);
     const double found = changeOfTerms(&scene);
@@ -155,9 +239,11 @@ int main(int argc, char** argv) {
   const int trials = argc > 1 ? atoi(argv[1]) : 3000;
   for (uint64_t seed = 0; seed < 12; seed++) {
     testJoints(seed);
+    testParticles(seed);
   }
   for (uint64_t seed = 0; seed < 4; seed++) {
-    testProgram(seed, trials);
+    testProgram(seed, trials, false);
+    testProgram(seed, trials, true);
   }
   testRepeats();
   return checkResult();

@@ -19,6 +19,7 @@ typedef struct Branches {
   int parents[MOST_ATOMS];
   uint8_t joints[MOST_ATOMS];
   int torsions[MOST_ATOMS][4];
+  bool isFlexible;
   uint64_t chance;
 } Branches;
 
@@ -98,7 +99,12 @@ static inline ctDefinition describeBranches(const Branches* b) {
                         .linkCount = b->linkCount,
                         .linkParents = b->parents,
                         .linkJoints = b->joints,
-                        .linkTorsions = (const int(*)[4])b->torsions};
+                        .linkTorsions = (const int(*)[4])b->torsions,
+                        .isFlexible = b->isFlexible};
+}
+
+static inline bool isFixed(const Branches* b, int atom) {
+  return b->joints[b->links[atom]] == ctFixedJoint;
 }
 
 /* Whether a particle stands in a leaf. */
@@ -119,6 +125,32 @@ static inline ctChange drawChange(Branches* b, int link) {
     change.translation[d] = 0.2 * (drawReal(b) - 0.5);
   }
   return change;
+}
+
+enum { MOST_DISPLACED = 4 };
+
+/* Displacements of different particles that are not fixed, some by the same shift; returns how many. */
+static inline int drawDisplacements(Branches* b, double size, ctDisplacement* displacements) {
+  const int wanted = 1 + drawBelow(b, MOST_DISPLACED);
+  const int first = drawBelow(b, b->atomCount);
+  int count = 0;
+  for (int attempt = 0; attempt < 100 && count < wanted; attempt++) {
+    /* Mostly neighbours, in either order. */
+    const int atom = drawBelow(b, 2) == 0 ? drawBelow(b, b->atomCount) : (first + drawBelow(b, 6)) % b->atomCount;
+    bool isNew = !isFixed(b, atom);
+    for (int i = 0; i < count; i++) {
+      isNew = isNew && displacements[i].particle != atom;
+    }
+    if (!isNew) {
+      continue;
+    }
+    ctDisplacement* d = &displacements[count++];
+    d->particle = atom;
+    for (int k = 0; k < 3; k++) {
+      d->shift[k] = count > 1 && drawBelow(b, 2) == 0 ? displacements[0].shift[k] : size * (2 * drawReal(b) - 1);
+    }
+  }
+  return count;
 }
 
 #endif /* BRANCHES_H_ */
