@@ -4,18 +4,6 @@
 
 static const int partCount = CT_ENERGY_PARTS;
 
-/* Turns a few torsions; what a number from 0 up says. */
-static void proposeNumber(const Bench* bench, unsigned number) {
-  ctChange changes[3];
-  unsigned chance = 12345u + 977u * number;
-  for (int i = 0; i < 3; i++) {
-    chance = chance * 1664525u + 1013904223u;
-    const int link = 1 + (LINKS - 1) / 3 * i + (int)((chance >> 16) % ((LINKS - 1) / 3));
-    changes[i] = (ctChange){.link = link, .angle = 0.3 * ((double)(chance >> 8) * 0x1p-24 - 0.5)};
-  }
-  CHECK(ctPropose(bench->tree, 3, changes) == ctSuccess);
-}
-
 /* Runs trials with these numbers, of which every third is dropped. Writes all changes. */
 static void run(const Bench* bench, unsigned begin, unsigned end, double* changes) {
   for (unsigned number = begin; number < end; number++) {
@@ -128,11 +116,15 @@ static void testConstants(void) {
 
 int main(void) {
   describe();
-  testBits();
-  testWithoutState();
-  described = &definitionWithBorn;
-  testBits();
-  testWithoutState();
-  testConstants();
+  for (int i = 0; i < 2; i++) {
+    isFlexible = i == 1;
+    described = &definition;
+    testBits();
+    testWithoutState();
+    described = &definitionWithBorn;
+    testBits();
+    testWithoutState();
+    testConstants();
+  }
   return checkResult();
 }

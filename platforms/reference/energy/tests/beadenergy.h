@@ -137,8 +137,9 @@ static const ctEnergyDefinition definitionWithBorn = {.scene = &scene,
                                                       .pairSets = &pairSet,
                                                       .termSetCount = 1,
                                                       .termSets = &torsionSet};
-/* That of benches. */
+/* That of benches, and whether their beads may be displaced. */
 static const ctEnergyDefinition* described = &definition;
+static bool isFlexible;
 
 /* The first three beads are the root. Each link turns about the bond from the bead before it to its first one. */
 static void describe(void) {
@@ -187,8 +188,12 @@ typedef struct Bench {
 
 static inline Bench makeBench(void) {
   Bench bench;
-  CHECK(ctCreate(&scene, &bench.tree, NULL, 0) == ctSuccess);
-  CHECK(ctCreateEnergy(bench.tree, described, &bench.energy, NULL, 0) == ctSuccess);
+  ctDefinition own = scene;
+  own.isFlexible = isFlexible;
+  ctEnergyDefinition ofOwn = *described;
+  ofOwn.scene = &own;
+  CHECK(ctCreate(&own, &bench.tree, NULL, 0) == ctSuccess);
+  CHECK(ctCreateEnergy(bench.tree, &ofOwn, &bench.energy, NULL, 0) == ctSuccess);
   return bench;
 }
 
@@ -214,6 +219,45 @@ static inline void proposeTimes(const Bench* bench, double factor) {
 
 static inline void propose(const Bench* bench) {
   proposeTimes(bench, 1);
+}
+
+/* Turns three torsions; what a number from 0 up says. */
+static inline void proposeTurns(const Bench* bench, unsigned number) {
+  ctChange changes[3];
+  unsigned chance = 12345u + 977u * number;
+  for (int i = 0; i < 3; i++) {
+    chance = chance * 1664525u + 1013904223u;
+    const int link = 1 + (LINKS - 1) / 3 * i + (int)((chance >> 16) % ((LINKS - 1) / 3));
+    changes[i] = (ctChange){.link = link, .angle = 0.3 * ((double)(chance >> 8) * 0x1p-24 - 0.5)};
+  }
+  CHECK(ctPropose(bench->tree, 3, changes) == ctSuccess);
+}
+
+/* Displaces one to four beads, consecutive ones or any; what a number says. */
+static inline void proposeDisplacements(const Bench* bench, unsigned number) {
+  ctDisplacement displacements[4];
+  unsigned chance = 54321u + 977u * number;
+  const int count = 1 + (int)(number % 4);
+  const int step = number % 3 == 0 ? 147 : 1;
+  const int first = (int)((chance * 1664525u >> 8) % BEADS);
+  for (int i = 0; i < count; i++) {
+    displacements[i].particle = (first + i * step) % BEADS;
+    for (int d = 0; d < 3; d++) {
+      chance = chance * 1664525u + 1013904223u;
+      const double shift = 0.03 * ((double)(chance >> 8) * 0x1p-24 - 0.5);
+      displacements[i].shift[d] = i % 2 == 1 ? displacements[0].shift[d] : shift;
+    }
+  }
+  CHECK(ctProposeDisplacements(bench->tree, count, displacements) == ctSuccess);
+}
+
+/* Turns, and in a flexible scene mostly displacements. */
+static inline void proposeNumber(const Bench* bench, unsigned number) {
+  if (isFlexible && number % 5 != 0) {
+    proposeDisplacements(bench, number);
+  } else {
+    proposeTurns(bench, number);
+  }
 }
 
 static inline ctStatus computeChange(const Bench* bench, double* change) {
