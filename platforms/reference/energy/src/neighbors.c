@@ -84,6 +84,7 @@ int ctNeighborsReserve(Neighbors* neighbors, const int image[3]) {
   record->energy = 0;
   record->trial = 0;
   record->hasPairs = record->hasBorn = false;
+  record->moves = 0;
   memcpy(record->image, image, sizeof record->image);
   return pair;
 }

@@ -14,6 +14,7 @@ typedef struct PairRecord {
   int64_t trial; /* of a record of the state: the last trial that recomputed it */
   bool hasPairs; /* if false, the energy and derivatives count as 0 */
   bool hasBorn;  /* the same of Born sums */
+  uint8_t moves; /* how often displaced particles have changed it since it was computed */
   int image[3];  /* the numbers of box vectors by which a is shifted */
 } PairRecord;
 
@@ -76,6 +77,7 @@ static inline const float* gradientOf(const PairRecord* record, int side) {
 static inline void copyPairs(const PairRecord* from, PairRecord* to) {
   to->energy = from->energy;
   to->hasPairs = from->hasPairs;
+  to->moves = from->moves;
   memcpy(to->gradient, from->gradient, sizeof to->gradient);
 }
 

@@ -148,10 +148,24 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
   const BornSide sideA = {frameA, &born->columns[a], born->columns[a].occupied, a};
   const BornSide sideB = {frameB, &born->columns[b], born->columns[b].occupied, b};
   record->hasBorn = hasBorn(rows);
+  record->moves = 0;
   if (record->hasBorn) {
     standIn->leaves->wide->standInBorn(&born->model, &standIn->model, &sideA, &sideB, rows, record->born[0],
                                        record->born[1]);
   }
+}
+
+void ctStandInMoveBorn(const StandIn* standIn, int a, int b, const PairFrames frames[2], const NearRows* movers,
+                       PairRecord* record) {
+  const Born* born = &standIn->born;
+  BornSide sideA[2];
+  BornSide sideB[2];
+  for (int version = 0; version < 2; version++) {
+    sideA[version] = (BornSide){frames[version].a, &born->columns[a], born->columns[a].occupied, a};
+    sideB[version] = (BornSide){frames[version].b, &born->columns[b], born->columns[b].occupied, b};
+  }
+  standIn->leaves->wide->standInBornMove(&born->model, &standIn->model, sideA, sideB, movers, record->born[0],
+                                         record->born[1]);
 }
 
 /* A leaf in a pair with another. */
@@ -178,6 +192,23 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
     record->energy = standIn->leaves->wide->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
                                                          record->gradient[1]);
   }
+}
+
+void ctStandInMovePairs(const StandIn* standIn, int a, int b, const PairFrames frames[2], const NearRows* movers,
+                        PairRecord* record) {
+  StandInSide sideA[2];
+  StandInSide sideB[2];
+  for (int version = 0; version < 2; version++) {
+    const PlacedLeaf placedA = ctStandInPlace(standIn, a, frames[version].a);
+    const PlacedLeaf placedB = ctStandInPlace(standIn, b, frames[version].b);
+    sideA[version] = sideOf(standIn, &placedA, &placedB);
+    sideB[version] = sideOf(standIn, &placedB, &placedA);
+    if (a == b) { /* pairs in either order count, once */
+      sideA[version].excluded = sideB[version].excluded = standIn->nonbonded.mask.ofOwnImage[a];
+    }
+  }
+  record->energy += standIn->leaves->wide->standInMove(&standIn->model, sideA, sideB, movers, record->gradient[0],
+                                                       record->gradient[1]);
 }
 
 /* With this many particles, all pairs of two leaves cost less than their pairs twice. */

@@ -32,7 +32,8 @@ typedef struct StagedPair {
   bool isNew;    /* no row has it yet */
   bool isNear;   /* its energy was computed first, with the radii of the state */
   bool isOpen;   /* its energy is not computed yet */
-  NearRows rows; /* in the trial */
+  bool isMove;   /* its record is changed by what displaced particles change, not computed again */
+  NearRows rows; /* in the trial; with isMove, displaced ones in the trial or before it */
   PairRecord after;
 } StagedPair;
 
@@ -153,6 +154,13 @@ void ctStandInComputeBorn(const StandIn* standIn, int a, const LeafFrame* frameA
                           const NearRows* rows, PairRecord* record);
 void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
                            PairRecord* record);
+
+/* Adds to a record what displaced particles change of Born sums; and of the energy, with the radii of the state. Leaves
+ * are given in the trial and before it. */
+void ctStandInMoveBorn(const StandIn* standIn, int a, int b, const PairFrames frames[2], const NearRows* movers,
+                       PairRecord* record);
+void ctStandInMovePairs(const StandIn* standIn, int a, int b, const PairFrames frames[2], const NearRows* movers,
+                        PairRecord* record);
 
 /* Replaces in a record the energies of pairs with a particle in slotsOfA or slotsOfB, computed with the radii of the
  * state, by those with these radii. */

@@ -73,6 +73,15 @@ static inline bool hasBorn(const NearRows* rows) {
   return rows->born[0] != 0 && rows->born[1] != 0;
 }
 
+/* The same of displaced particles alone: true if one of them is near the other leaf. */
+static inline bool havePairs(const NearRows* movers) {
+  return (movers->pairs[0] | movers->pairs[1]) != 0;
+}
+
+static inline bool haveBorn(const NearRows* movers) {
+  return (movers->born[0] | movers->born[1]) != 0;
+}
+
 /* One of the two leaves of a pair. */
 typedef struct StandInSide {
   const LeafFrame* frame;

@@ -46,6 +46,12 @@ static void findFrames(const StandIn* standIn, const StagedPair* staged, bool in
   ctStandInFindFrames(standIn, staged->a, staged->b, recordOf(standIn, staged)->image, inTrial, frames);
 }
 
+/* Those in the trial, and those before it. */
+static void findBothFrames(const StandIn* standIn, const StagedPair* staged, PairFrames frames[2]) {
+  findFrames(standIn, staged, true, &frames[0]);
+  findFrames(standIn, staged, false, &frames[1]);
+}
+
 /* Replaces the contribution of a pair to the gradients of its leaves. */
 static void exchangeGradients(StandIn* standIn, const StagedPair* staged) {
   const PairRecord* before = recordOf(standIn, staged);
@@ -85,6 +91,27 @@ static bool reserveStaged(StandIn* standIn, size_t count) {
   return true;
 }
 
+/* Finds which displaced particles of two leaves, whose frames in the trial are given, are near the other one; false if
+ * none are, so that the pair does not change. */
+static bool findMovers(const StandIn* standIn, const ctLeafPair* pair, const PairFrames* frames, NearRows* movers) {
+  const TrialLeaves* leaves = standIn->leaves;
+  PairFrames before;
+  ctStandInFindFrames(standIn, pair->a, pair->b, pair->image, false, &before);
+  const LeafFrame* const a[2] = {frames->a, before.a};
+  const LeafFrame* const b[2] = {frames->b, before.b};
+  leaves->wide->nearMovers(&standIn->model, a, b, ctMoversOf(leaves, pair->a), ctMoversOf(leaves, pair->b), movers);
+  return havePairs(movers) || haveBorn(movers);
+}
+
+/* A record is computed again after this many moves of displaced particles, so that rounding does not add up. */
+enum { MOST_MOVES = 64 };
+
+/* True if a record has all that displaced particles change. */
+static bool canMove(const PairRecord* record, const NearRows* movers) {
+  return record->moves < MOST_MOVES && (record->hasPairs || !havePairs(movers)) &&
+         (record->hasBorn || !haveBorn(movers));
+}
+
 /* Stages the changed pairs that are near, or the others. */
 static ctStatus stage(StandIn* standIn, bool near) {
   TrialLeaves* leaves = standIn->leaves;
@@ -98,10 +125,17 @@ static ctStatus stage(StandIn* standIn, bool near) {
     NearRows rows;
     PairFrames frames;
     ctStandInFindFrames(standIn, changed->a, changed->b, changed->image, true, &frames);
-    leaves->wide->nearRows(&standIn->model, frames.a, frames.b, &rows);
+    if (leaves->isDisplacement && !findMovers(standIn, changed, &frames, &rows)) {
+      continue;
+    }
     /* In the row of a leaf that moves: most pairs of a small move are in that. */
     const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
     const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved, changed->image);
+    const bool isMove =
+        leaves->isDisplacement && found != CT_NULL && canMove(&standIn->neighbors.records[found], &rows);
+    if (!isMove) {
+      leaves->wide->nearRows(&standIn->model, frames.a, frames.b, &rows);
+    }
     if (found == CT_NULL && !hasPairs(&rows) && !hasBorn(&rows)) {
       continue;
     }
@@ -120,10 +154,22 @@ static ctStatus stage(StandIn* standIn, bool near) {
     staged->isNew = found == CT_NULL;
     staged->isNear = near;
     staged->isOpen = true;
+    staged->isMove = isMove;
     staged->rows = rows;
     standIn->movedCount = standIn->stagedCount;
   }
   return ctSuccess;
+}
+
+/* Changes the energy of a pair by what displaced particles change, with the radii of the state. */
+static void movePairs(StandIn* standIn, StagedPair* staged) {
+  copyPairs(recordOf(standIn, staged), &staged->after);
+  staged->after.moves++;
+  if (havePairs(&staged->rows)) {
+    PairFrames frames[2];
+    findBothFrames(standIn, staged, frames);
+    ctStandInMovePairs(standIn, staged->a, staged->b, frames, &staged->rows, &staged->after);
+  }
 }
 
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
@@ -134,11 +180,15 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   }
   for (int i = 0; i < standIn->stagedCount; i++) {
     StagedPair* staged = &standIn->staged[i];
-    PairFrames frames;
-    findFrames(standIn, staged, true, &frames);
-    const PlacedLeaf a = ctStandInPlace(standIn, staged->a, frames.a);
-    const PlacedLeaf b = ctStandInPlace(standIn, staged->b, frames.b);
-    ctStandInComputePairs(standIn, &a, &b, &staged->rows, &staged->after);
+    if (staged->isMove) {
+      movePairs(standIn, staged);
+    } else {
+      PairFrames frames;
+      findFrames(standIn, staged, true, &frames);
+      const PlacedLeaf a = ctStandInPlace(standIn, staged->a, frames.a);
+      const PlacedLeaf b = ctStandInPlace(standIn, staged->b, frames.b);
+      ctStandInComputePairs(standIn, &a, &b, &staged->rows, &staged->after);
+    }
     staged->isOpen = false;
     *change += staged->after.energy - recordOf(standIn, staged)->energy;
   }
@@ -148,14 +198,30 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
 
 /* ---- Radii ---- */
 
+/* Changes the Born sums of a pair by what displaced particles change. */
+static void moveBorn(StandIn* standIn, StagedPair* staged) {
+  PairFrames frames[2];
+  findBothFrames(standIn, staged, frames);
+  copyBorn(recordOf(standIn, staged), &staged->after);
+  ctStandInMoveBorn(standIn, staged->a, staged->b, frames, &staged->rows, &staged->after);
+}
+
 static void changeBornSums(StandIn* standIn) {
   for (int i = 0; i < standIn->movedCount; i++) {
     StagedPair* staged = &standIn->staged[i];
     const PairRecord* before = recordOf(standIn, staged);
     PairRecord* after = &staged->after;
-    PairFrames frames;
-    findFrames(standIn, staged, true, &frames);
-    ctStandInComputeBorn(standIn, staged->a, frames.a, staged->b, frames.b, &staged->rows, after);
+    if (staged->isMove && !haveBorn(&staged->rows)) {
+      after->hasBorn = before->hasBorn;
+      continue;
+    }
+    if (staged->isMove) {
+      moveBorn(standIn, staged);
+    } else {
+      PairFrames frames;
+      findFrames(standIn, staged, true, &frames);
+      ctStandInComputeBorn(standIn, staged->a, frames.a, staged->b, frames.b, &staged->rows, after);
+    }
     const int leaves[2] = {staged->a, staged->b};
     for (int side = 0; side < 2 && (before->hasBorn || after->hasBorn); side++) {
       const float* from = bornOf(before, side);
@@ -215,20 +281,25 @@ static double changeMovedPairs(StandIn* standIn) {
       exchangeRadii(standIn, staged, false, &record);
       back = record.energy;
     }
-    if (staged->isOpen) {
+    if (staged->isOpen && staged->isMove) {
+      movePairs(standIn, staged);
+    } else if (staged->isOpen) {
       PairFrames frames;
       findFrames(standIn, staged, true, &frames);
       const PlacedLeaf a = placeInTrial(standIn, staged->a, frames.a);
       const PlacedLeaf b = placeInTrial(standIn, staged->b, frames.b);
       ctStandInComputePairs(standIn, &a, &b, &staged->rows, after);
-    } else if (isCrossed) {
+    }
+    if (isCrossed && (staged->isMove || !staged->isOpen)) {
       exchangeRadii(standIn, staged, true, after);
     }
     if (staged->isNear) {
       nearBack += back - after->energy;
     }
     change += after->energy - before->energy;
-    exchangeGradients(standIn, staged);
+    if (isCrossed || !staged->isMove || havePairs(&staged->rows)) {
+      exchangeGradients(standIn, staged);
+    }
   }
   standIn->nearChangeBack = nearBack;
   return change;
@@ -274,6 +345,7 @@ static ctStatus changeUnmovedPairs(StandIn* standIn, double* change) {
         staged->a = leaf < other ? leaf : other;
         staged->b = leaf < other ? other : leaf;
         staged->pair = pair;
+        staged->isMove = false;
         *change += changeUnmovedPair(standIn, staged);
       }
     }
@@ -315,7 +387,9 @@ static bool acceptMovedPair(Neighbors* neighbors, const StagedPair* staged) {
     return true;
   }
   copyPairs(after, &neighbors->records[staged->pair]);
-  copyBorn(after, &neighbors->records[staged->pair]);
+  if (!staged->isMove || haveBorn(&staged->rows)) {
+    copyBorn(after, &neighbors->records[staged->pair]);
+  }
   return !staged->isNew || ctNeighborsAdd(neighbors, staged->a, staged->b, staged->pair);
 }
 

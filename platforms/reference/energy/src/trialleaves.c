@@ -31,8 +31,10 @@ bool ctTrialLeavesCreate(TrialLeaves* leaves, ctChainTree* tree, double cutoff, 
   leaves->trialFrames = allocateLines(size, sizeof *leaves->trialFrames);
   leaves->frameTrial = calloc(size, sizeof *leaves->frameTrial);
   leaves->frameInTrial = calloc(size, sizeof *leaves->frameInTrial);
+  leaves->movers = calloc(size, sizeof *leaves->movers);
   if (leaves->occupied == NULL || leaves->frames == NULL || leaves->frameIsOutdated == NULL ||
-      leaves->trialFrames == NULL || leaves->frameTrial == NULL || leaves->frameInTrial == NULL) {
+      leaves->trialFrames == NULL || leaves->frameTrial == NULL || leaves->frameInTrial == NULL ||
+      leaves->movers == NULL) {
     ctTrialLeavesFree(leaves);
     return false;
   }
@@ -51,6 +53,7 @@ void ctTrialLeavesFree(TrialLeaves* leaves) {
   freeLines(leaves->trialFrames);
   free(leaves->frameTrial);
   free(leaves->frameInTrial);
+  free(leaves->movers);
   free(leaves->changed);
   free(leaves->pieces);
   *leaves = (TrialLeaves){0};
@@ -107,6 +110,7 @@ ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   const ctLeafPair* changed;
   const ctPiece* pieces;
   const ctTransform* motions;
+  const int* particles;
   leaves->changedCount = 0;
   leaves->nearCount = 0;
   leaves->statePositions = ctGetLeaves(leaves->tree);
@@ -122,6 +126,7 @@ ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   }
   memcpy(leaves->pieces, pieces, (size_t)pieceCount * sizeof *pieces);
   leaves->pieceCount = pieceCount;
+  leaves->isDisplacement = ctGetTrialParticles(leaves->tree, &particles) > 0;
   listChanged(leaves, (int)count, changed);
   leaves->trial++;
   return ctSuccess;
@@ -137,6 +142,24 @@ static bool leafMoves(const TrialLeaves* leaves, int leaf) {
   return piece->body != 0;
 }
 
+static int pieceEnd(const TrialLeaves* leaves, int piece) {
+  return piece + 1 < leaves->pieceCount ? leaves->pieces[piece + 1].slotBegin : leaves->leafCount * CT_LEAF_WIDTH;
+}
+
+/* The particles of a leaf that move in the trial, as bits. */
+static uint16_t findMovers(const TrialLeaves* leaves, int leaf) {
+  const int first = leaf * CT_LEAF_WIDTH;
+  unsigned movers = 0;
+  for (int i = 0; i < leaves->pieceCount; i++) {
+    const int begin = leaves->pieces[i].slotBegin - first;
+    const int end = pieceEnd(leaves, i) - first;
+    if (leaves->pieces[i].body != 0 && begin < CT_LEAF_WIDTH && end > 0) {
+      movers |= (0xffffu >> (end < CT_LEAF_WIDTH ? CT_LEAF_WIDTH - end : 0)) & ~0u << (begin > 0 ? begin : 0);
+    }
+  }
+  return (uint16_t)(movers & leaves->occupied[leaf]);
+}
+
 const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
   if (leaves->frameTrial[leaf] != leaves->trial) {
     leaves->frameTrial[leaf] = leaves->trial;
@@ -144,6 +167,9 @@ const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
       LeafFrame* frame = &leaves->trialFrames[leaf];
       leaves->wide->makeFrame(&leaves->trialPositions[leaf], leaves->occupied[leaf], frame);
       leaves->frameInTrial[leaf] = frame;
+      if (leaves->isDisplacement) {
+        leaves->movers[leaf] = findMovers(leaves, leaf);
+      }
     } else {
       leaves->frameInTrial[leaf] = ctStateFrame(leaves, leaf);
     }
@@ -154,7 +180,7 @@ const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf) {
 void ctTrialLeavesAccept(TrialLeaves* leaves) {
   for (int i = 0; i < leaves->pieceCount; i++) {
     if (leaves->pieces[i].body != 0) {
-      const int end = i + 1 < leaves->pieceCount ? leaves->pieces[i + 1].slotBegin : leaves->leafCount * CT_LEAF_WIDTH;
+      const int end = pieceEnd(leaves, i);
       for (int leaf = leaves->pieces[i].slotBegin / CT_LEAF_WIDTH; leaf * CT_LEAF_WIDTH < end; leaf++) {
         leaves->frameIsOutdated[leaf] = true;
       }

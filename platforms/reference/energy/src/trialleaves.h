@@ -15,12 +15,15 @@ typedef struct TrialLeaves {
   LeafFrame* trialFrames;
   int64_t* frameTrial;            /* the trial in which frameInTrial was set */
   const LeafFrame** frameInTrial; /* one of the two above */
+  uint16_t* movers; /* per leaf, of one with a frame of its own in a trial that displaces particles: these,
+                       as bits */
   const ctLeafPositions* statePositions;
   bool isPeriodic; /* at the last refresh */
   double box[3][3];
 
   /* The last trial that was asked about. */
   int64_t trial;
+  bool isDisplacement;                   /* of single particles */
   const ctLeafPositions* trialPositions; /* the scene's, as long as the trial is open */
   int changedCount;
   int changedCapacity;
@@ -61,6 +64,11 @@ const LeafFrame* ctTrialFrame(TrialLeaves* leaves, int leaf);
 /* True if the frame in the trial, which was found before, is not that of the state. */
 static inline bool ctHasOwnFrame(const TrialLeaves* leaves, int leaf) {
   return leaves->frameInTrial[leaf] == &leaves->trialFrames[leaf];
+}
+
+/* The displaced particles of such a leaf as bits; 0 of others. */
+static inline unsigned ctMoversOf(const TrialLeaves* leaves, int leaf) {
+  return ctHasOwnFrame(leaves, leaf) ? leaves->movers[leaf] : 0;
 }
 
 /* True if leaves that are so near can have particles within a cutoff; rounding must not lose a pair. */

@@ -10,8 +10,8 @@ typedef struct TrialView {
   int pieceCount;
   const ctPiece* pieces;
   const ctTransform* motions; /* of each body */
-  int linkCount;    /* 0: the trial displaces single particles, each of which is a piece */
-  const int* links; /* the caller's links that the trial changes */
+  int linkCount;              /* 0: the trial displaces single particles, each of which is a piece */
+  const int* links;           /* the caller's links that the trial changes */
 } TrialView;
 
 /* The piece that a slot is in. O(log pieces). */

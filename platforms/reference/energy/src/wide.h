@@ -36,6 +36,10 @@
   F(void, standInBorn, \
     (const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b, const NearRows* rows, \
      float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH])) \
+  /* Adds to Born sums of two leaves by how much displaced particles change them, given both in the trial and before it. */ \
+  F(void, standInBornMove, \
+    (const BornModel* model, const StandInModel* standIn, const BornSide a[2], const BornSide b[2], \
+     const NearRows* movers, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH])) \
   /* wide/standinradii.c: radii of a leaf by its Born sums over particles that are near. */ \
   F(void, standInRadii, \
     (const StandInModel* model, const StandInConstants* constants, const double born[CT_LEAF_WIDTH], \
@@ -60,6 +64,14 @@
   F(double, standInExchange, \
     (const StandInModel* model, const StandInSide a[2], const StandInSide b[2], const NearRows* rows, \
      unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH])) \
+  /* Which displaced particles of two leaves are near the other one, in the trial or before it: with the frames of both. */ \
+  F(void, nearMovers, \
+    (const StandInModel* standIn, const LeafFrame* const a[2], const LeafFrame* const b[2], unsigned moversOfA, \
+     unsigned moversOfB, NearRows* rows)) \
+  /* Of pairs with a displaced particle: their energy in the first version of each side less that in the second. */ \
+  F(double, standInMove, \
+    (const StandInModel* model, const StandInSide a[2], const StandInSide b[2], const NearRows* movers, \
+     float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH])) \
   /* wide/tape.c: adds the pairs of particles of two leaves to the tape's batch, which is finished before if it has */ \
   /* no room for them; `number` is the caller's. False if none of them count: energies[number] stays then. */ \
   F(bool, addToBatch, \

@@ -11,30 +11,40 @@ CT_INLINE Float16 nearSeries(Float16 t) {
   return polynomial16(t, 6, c);
 }
 
-/* Rows of Born sums: particles of side a near some of side b, with their contributions to these, and the reverse. */
+/* Rows of Born sums: particles of side a near some of side b, with their contributions to these, and the reverse. Of
+ * displaced particles each row is followed by that before the trial. */
 typedef struct BornRows {
   int count;
-  int slots[CT_LEAF_WIDTH];
-  Float16 squared[CT_LEAF_WIDTH];
-  Float16 forLanes[CT_LEAF_WIDTH];
-  Float16 forRow[CT_LEAF_WIDTH];
+  int slots[2 * CT_LEAF_WIDTH];
+  Float16 squared[2 * CT_LEAF_WIDTH];
+  Float16 forLanes[2 * CT_LEAF_WIDTH];
+  Float16 forRow[2 * CT_LEAF_WIDTH];
 } BornRows;
 
-/* Finds the rows within the cutoff. */
-CT_INLINE void findBornRows(const BornSides* sides, unsigned slots, float squaredCutoff, bool isSame, BornRows* rows) {
-  const Float16 cutoff = all16(squaredCutoff);
-  rows->count = 0;
-  for (; slots != 0; slots &= slots - 1) {
-    const int k = __builtin_ctz(slots);
-    Float16 squared = squaredFrom(sides, k);
+/* Adds the row of slot k, if it is within the cutoff in one of its versions. */
+CT_INLINE void addBornRow(const BornSides* sides, int versions, int k, Float16 cutoff, bool isSame, BornRows* rows) {
+  unsigned near = 0;
+  for (int version = 0; version < versions; version++) {
+    const int i = rows->count + version;
+    Float16 squared = squaredFrom(&sides[version], k);
     if (isSame) {
       squared = blend16(1u << k, squared, all16(FARTHEST * FARTHEST));
     }
     /* Slots without a particle are beyond any cutoff. */
-    rows->squared[rows->count] = max16(min16(squared, all16(FARTHEST * FARTHEST)), all16(NEAREST * NEAREST));
-    rows->slots[rows->count] = k;
-    /* One near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
-    rows->count += greater16(cutoff, squared) != 0 ? 1 : 0;
+    rows->squared[i] = max16(min16(squared, all16(FARTHEST * FARTHEST)), all16(NEAREST * NEAREST));
+    rows->slots[i] = k;
+    near |= greater16(cutoff, squared);
+  }
+  /* One near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
+  rows->count += near != 0 ? versions : 0;
+}
+
+/* Finds the rows within the cutoff. */
+CT_INLINE void findBornRows(const BornSides* sides, int versions, unsigned slots, float squaredCutoff, bool isSame,
+                            BornRows* rows) {
+  rows->count = 0;
+  for (; slots != 0; slots &= slots - 1) {
+    addBornRow(sides, versions, __builtin_ctz(slots), all16(squaredCutoff), isSame, rows);
   }
 }
 
@@ -71,8 +81,8 @@ CT_INLINE void setOverlaps(const BornModel* model, const StandInModel* standIn, 
   const Float16 scaledB = load16(columnsB->scaledRadius);
   const Float16 sizeB = absolute16(scaledB);
   const Float16 mostRatio = all16((float)(BORN_NEAR_RATIO * BORN_NEAR_RATIO));
-  int overlapping[CT_LEAF_WIDTH];
-  unsigned lanes[CT_LEAF_WIDTH];
+  int overlapping[2 * CT_LEAF_WIDTH];
+  unsigned lanes[2 * CT_LEAF_WIDTH];
   int count = 0;
   for (int i = 0; i < rows->count; i++) {
     /* Both ways at once: overlaps are mutual, mostly. */
@@ -127,67 +137,117 @@ CT_INLINE void addNecks(const BornModel* model, const BornSides* sides, bool are
   }
 }
 
-/* Adds rows of side a, given as bits; those in `near` may overlap some of side b. The sums for the lanes of side b are
- * returned, and those of the rows put in their places. Constants for the last three arguments make a function for each
- * case. */
-CT_INLINE Float16 standInBornRows(const BornModel* model, const StandInModel* standIn, const BornSides* sides,
-                                  unsigned slots, unsigned near, float (*forRows)[CT_LEAF_WIDTH], bool isSame,
-                                  bool hasNecks, bool areCut) {
-  const Float16 cutoff = all16(standIn->squaredBornCutoff);
-  BornRows rows;
-  Float16 ratios[CT_LEAF_WIDTH];
-  findBornRows(sides, slots, standIn->squaredBornCutoff, isSame, &rows);
-  setSpheres(standIn, sides, &rows, ratios);
+/* Finds the contributions of rows of side a, given as bits; those in `near` may overlap some of side b. Constants for
+ * the last four arguments make a function for each case. */
+CT_INLINE void setBornRows(const BornModel* model, const StandInModel* standIn, const BornSides* sides, int versions,
+                           unsigned slots, unsigned near, bool isSame, bool hasNecks, bool areCut, BornRows* rows) {
+  Float16 ratios[2 * CT_LEAF_WIDTH];
+  findBornRows(sides, versions, slots, standIn->squaredBornCutoff, isSame, rows);
+  setSpheres(standIn, sides, rows, ratios);
   if (near != 0) {
-    setOverlaps(model, standIn, sides, near, ratios, &rows);
+    setOverlaps(model, standIn, sides, near, ratios, rows);
   }
   if (hasNecks) {
-    addNecks(model, sides, areCut, &rows);
+    addNecks(model, sides, areCut, rows);
   }
-  Float16 lanes = all16(0);
-  for (int i = 0; i < rows.count; i++) {
-    lanes = add16(lanes, keepBelow16(rows.squared[i], cutoff, rows.forLanes[i]));
-    if (!isSame) {
-      store16(forRows[rows.slots[i]], keepBelow16(rows.squared[i], cutoff, rows.forRow[i]));
-    }
-  }
-  return lanes;
 }
 
 /* The same by the function for the case. */
-CT_INLINE Float16 standInBornCase(const BornModel* model, const StandInModel* standIn, const BornSides* sides,
-                                  unsigned slots, unsigned near, float (*forRows)[CT_LEAF_WIDTH], bool isSame) {
+CT_INLINE void setBornCase(const BornModel* model, const StandInModel* standIn, const BornSides* sides, int versions,
+                           unsigned slots, unsigned near, bool isSame, BornRows* rows) {
   if (model->neckTypeCount == 0) {
-    return standInBornRows(model, standIn, sides, slots, near, forRows, isSame, false, false);
+    setBornRows(model, standIn, sides, versions, slots, near, isSame, false, false, rows);
+  } else if (standIn->squaredBornCutoff > model->squaredLeastNeckReach) {
+    setBornRows(model, standIn, sides, versions, slots, near, isSame, true, true, rows);
+  } else {
+    setBornRows(model, standIn, sides, versions, slots, near, isSame, true, false, rows);
   }
-  return standIn->squaredBornCutoff > model->squaredLeastNeckReach
-             ? standInBornRows(model, standIn, sides, slots, near, forRows, isSame, true, true)
-             : standInBornRows(model, standIn, sides, slots, near, forRows, isSame, true, false);
+}
+
+CT_INLINE BornSides sidesOf(const BornSide* a, const BornSide* b) {
+  float shift[3];
+  shiftBetween(a->frame, b->frame, shift);
+  return (BornSides){a, b, add16(load16(b->frame->x), all16(shift[0])), add16(load16(b->frame->y), all16(shift[1])),
+                     add16(load16(b->frame->z), all16(shift[2]))};
 }
 
 void CT_WIDE(standInBorn)(const BornModel* model, const StandInModel* standIn, const BornSide* a, const BornSide* b,
                           const NearRows* near, float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
-  float shift[3];
+  const Float16 cutoff = all16(standIn->squaredBornCutoff);
   float forRows[CT_LEAF_WIDTH][CT_LEAF_WIDTH];
+  Float16 lanes = all16(0);
+  BornRows rows;
   /* Each row of one side costs the same, so those of the side with fewer are summed. */
   const bool isOfA = __builtin_popcount(near->born[0]) <= __builtin_popcount(near->born[1]);
-  const BornSide* ones = isOfA ? a : b;
-  const BornSide* all = isOfA ? b : a;
-  const unsigned rows = near->born[isOfA ? 0 : 1];
+  const BornSides sides = isOfA ? sidesOf(a, b) : sidesOf(b, a);
+  const unsigned slots = near->born[isOfA ? 0 : 1];
   const unsigned overlaps = near->overlaps[isOfA ? 0 : 1];
-  shiftBetween(ones->frame, all->frame, shift);
-  const BornSides sides = {ones, all, add16(load16(all->frame->x), all16(shift[0])),
-                           add16(load16(all->frame->y), all16(shift[1])),
-                           add16(load16(all->frame->z), all16(shift[2]))};
   if (a->frame == b->frame) { /* and not an image */
-    store16(ofA, toSteps(standInBornCase(model, standIn, &sides, rows, overlaps, forRows, true)));
+    setBornCase(model, standIn, &sides, 1, slots, overlaps, true, &rows);
+    for (int i = 0; i < rows.count; i++) {
+      lanes = add16(lanes, keepBelow16(rows.squared[i], cutoff, rows.forLanes[i]));
+    }
+    store16(ofA, toSteps(lanes));
     store16(ofB, all16(0));
     return;
   }
   for (int k = 0; k < CT_LEAF_WIDTH; k++) {
     store16(forRows[k], all16(0));
   }
-  const Float16 lanes = standInBornCase(model, standIn, &sides, rows, overlaps, forRows, false);
+  setBornCase(model, standIn, &sides, 1, slots, overlaps, false, &rows);
+  for (int i = 0; i < rows.count; i++) {
+    lanes = add16(lanes, keepBelow16(rows.squared[i], cutoff, rows.forLanes[i]));
+    store16(forRows[rows.slots[i]], keepBelow16(rows.squared[i], cutoff, rows.forRow[i]));
+  }
   store16(isOfA ? ofB : ofA, toSteps(lanes));
   store16(isOfA ? ofA : ofB, toSteps(sums16x16((const float(*)[CT_LEAF_WIDTH])forRows)));
+}
+
+/* Adds to the sums of both sides by how much rows of displaced particles change them. `givers`: particles of side b
+ * from which the rows get something; `takers`: particles that get something from them. */
+CT_INLINE void moveBornRows(const BornModel* model, const StandInModel* standIn, const BornSide a[2],
+                            const BornSide b[2], unsigned slots, unsigned near, unsigned givers, unsigned takers,
+                            float ofA[CT_LEAF_WIDTH], float ofB[CT_LEAF_WIDTH]) {
+  const Float16 cutoff = all16(standIn->squaredBornCutoff);
+  const bool isSame = a->frame == b->frame; /* and not an image */
+  const BornSides sides[2] = {sidesOf(&a[0], &b[0]), sidesOf(&a[1], &b[1])};
+  BornRows rows;
+  Float16 lanes = all16(0);
+  setBornCase(model, standIn, sides, 2, slots, near, isSame, &rows);
+  for (int begin = 0; begin < rows.count; begin += 2 * ROWS_IN_FLOAT) {
+    const int end = begin + 2 * ROWS_IN_FLOAT < rows.count ? begin + 2 * ROWS_IN_FLOAT : rows.count;
+    Float16 part[ROWS_IN_FLOAT] = {all16(0), all16(0), all16(0), all16(0)};
+    float totals[ROWS_IN_FLOAT];
+    for (int i = begin; i < end; i += 2) {
+      const Float16* squared = &rows.squared[i];
+      lanes = add16(lanes, sub16(keepBelow16(squared[0], cutoff, rows.forLanes[i]),
+                                 keepBelow16(squared[1], cutoff, rows.forLanes[i + 1])));
+      const Float16 change =
+          sub16(keepBelow16(squared[0], cutoff, rows.forRow[i]), keepBelow16(squared[1], cutoff, rows.forRow[i + 1]));
+      part[(i - begin) / 2] = keep16(givers, change);
+    }
+    total4x16(part, totals);
+    for (int i = begin; i < end; i += 2) {
+      ofA[rows.slots[i]] += totals[(i - begin) / 2];
+    }
+  }
+  store16(ofB, add16(load16(ofB), keep16(takers, lanes)));
+}
+
+void CT_WIDE(standInBornMove)(const BornModel* model, const StandInModel* standIn, const BornSide a[2],
+                              const BornSide b[2], const NearRows* movers, float ofA[CT_LEAF_WIDTH],
+                              float ofB[CT_LEAF_WIDTH]) {
+  const unsigned others = ~(unsigned)movers->born[0];
+  if (a->frame == b->frame) {
+    moveBornRows(model, standIn, a, b, movers->born[0], movers->overlaps[0], others, 0xffff, ofA, ofA);
+  } else {
+    if (movers->born[0] != 0) {
+      moveBornRows(model, standIn, a, b, movers->born[0], movers->overlaps[0], 0xffff, 0xffff, ofA, ofB);
+    }
+    if (movers->born[1] != 0) {
+      moveBornRows(model, standIn, b, a, movers->born[1], movers->overlaps[1], others, others, ofB, ofA);
+    }
+    store16(ofB, toSteps(load16(ofB)));
+  }
+  store16(ofA, toSteps(load16(ofA)));
 }

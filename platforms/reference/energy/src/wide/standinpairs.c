@@ -102,10 +102,16 @@ CT_INLINE void invert(Separation* s) {
   s->inverseF2 = mul16(both, s->squared);
 }
 
-/* What is added up: energies of pairs, or energies with new radii less those with the former radii. */
+/* What is added up: energies of pairs, or of a new version less those of the former one. */
+typedef enum StandInVersions {
+  oneVersion,
+  twoRadii, /* without what does not depend on radii */
+  twoPlaces /* of particles that are displaced */
+} StandInVersions;
+
 typedef struct StandInCase {
-  bool isExchange; /* without what does not depend on radii */
-  bool isMasked;   /* some pairs are excluded */
+  StandInVersions versions;
+  bool isMasked; /* some pairs are excluded */
   bool hasKappa;
 } StandInCase;
 
@@ -127,7 +133,7 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
   }
   born = add16(born, mul16(fade, atCutoff(one, all, 0, VALUE_RANK)));
   Float16 sum = sub16(all16(0), born);
-  if (!its.isExchange) {
+  if (its.versions != twoRadii) {
     const Float16 sigma = add16(one->sigma, all->sigma);
     const Float16 ratio2 = mul16(mul16(sigma, sigma), s->inverse2);
     const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
@@ -150,24 +156,28 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
 
 /* Rows of pairs: some particles of one side, with some of the other. */
 typedef struct StandInRows {
-  const StandInSide* ones; /* with the new radii, then with the former ones */
+  const StandInSide* ones; /* the new version, then the former one */
   const StandInSide* all;
-  float shift[3]; /* from the centre of the former to that of the latter */
   unsigned slots; /* of the ones, as bits */
   unsigned lanes; /* of the others */
   float* ofOnes;  /* gradients */
   float* ofAll;
 } StandInRows;
 
-/* The lanes that count in the row of slot k. */
-CT_INLINE unsigned lanesOf(const StandInRows* rows, bool isSelf, int k) {
-  return isSelf ? 0xfffeu << k : rows->lanes;
+/* The lanes that count in the row of slot k. Of a leaf with itself those behind it, or those that are not displaced or
+ * behind it. */
+CT_INLINE unsigned lanesOf(const StandInRows* rows, StandInCase its, bool isSelf, int k) {
+  const unsigned behind = 0xfffeu << k;
+  if (its.versions == twoPlaces) {
+    return isSelf ? behind | ~rows->slots : rows->lanes;
+  }
+  return isSelf ? behind : rows->lanes;
 }
 
 /* Adds rows, of a leaf with itself with those behind each. Operations of one row wait for each other, so each step is
  * that of all rows. */
 CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* rows, StandInCase its, Sum16 sum) {
-  const int versions = its.isExchange ? 2 : 1;
+  const int versions = its.versions == oneVersion ? 1 : 2;
   const bool isSelf = rows->ones->frame == rows->all->frame;
   const Float16 cutoff = all16(model->squaredCutoff);
   Sixteen all[2];
@@ -175,18 +185,28 @@ CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* row
   int slots[2 * CT_LEAF_WIDTH];
   int count = 0;
   for (int version = 0; version < versions; version++) {
-    all[version] = takeAll(model, &rows->all[version], rows->shift);
+    float shift[3];
+    shiftBetween(rows->ones[version].frame, rows->all[version].frame, shift);
+    all[version] = takeAll(model, &rows->all[version], shift);
   }
   for (unsigned ones = rows->slots; ones != 0; ones &= ones - 1) {
     const int k = __builtin_ctz(ones);
     const Sixteen one = takeOne(rows->ones, k);
-    const Float16 squared = squaredDistance(&one, &all[0]);
-    for (int version = 0; version < versions; version++) {
-      separations[count + version].squared = squared;
-      slots[count + version] = k;
+    Float16 squared = squaredDistance(&one, &all[0]);
+    Float16 nearest = squared;
+    separations[count].squared = squared;
+    slots[count] = k;
+    if (versions == 2) {
+      if (its.versions == twoPlaces) {
+        const Sixteen former = takeOne(&rows->ones[1], k);
+        squared = squaredDistance(&former, &all[1]);
+        nearest = min16(nearest, squared);
+      }
+      separations[count + 1].squared = squared;
+      slots[count + 1] = k;
     }
     /* A particle near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
-    count += (greater16(cutoff, squared) & lanesOf(rows, isSelf, k)) != 0 ? versions : 0;
+    count += (greater16(cutoff, nearest) & lanesOf(rows, its, isSelf, k)) != 0 ? versions : 0;
   }
   for (int i = 0; i < count; i++) {
     const Sixteen one = takeOne(&rows->ones[i % versions], slots[i]);
@@ -207,7 +227,7 @@ CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* row
       const unsigned direct = its.isMasked ? ~(unsigned)rows->ones->excluded[k] : 0;
       Float16 energy;
       Float16 gradient;
-      pairEnergies(model, &one, &all[version], &separations[i], lanesOf(rows, isSelf, k), direct, its, &energy,
+      pairEnergies(model, &one, &all[version], &separations[i], lanesOf(rows, its, isSelf, k), direct, its, &energy,
                    &gradient);
       if (version == 1) {
         energy = sub16(all16(0), energy);
@@ -229,16 +249,17 @@ CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* row
 }
 
 /* The same by the function for the case. */
-CT_INLINE Sum16 addStandInCase(const StandInModel* model, const StandInRows* rows, bool isExchange, Sum16 sum) {
+CT_INLINE Sum16 addStandInCase(const StandInModel* model, const StandInRows* rows, StandInVersions versions,
+                               Sum16 sum) {
   if (rows->slots == 0) {
     return sum;
   }
   if (rows->ones->excluded != NULL) {
-    return model->hasKappa ? addStandInRows(model, rows, (StandInCase){isExchange, true, true}, sum)
-                           : addStandInRows(model, rows, (StandInCase){isExchange, true, false}, sum);
+    return model->hasKappa ? addStandInRows(model, rows, (StandInCase){versions, true, true}, sum)
+                           : addStandInRows(model, rows, (StandInCase){versions, true, false}, sum);
   }
-  return model->hasKappa ? addStandInRows(model, rows, (StandInCase){isExchange, false, true}, sum)
-                         : addStandInRows(model, rows, (StandInCase){isExchange, false, false}, sum);
+  return model->hasKappa ? addStandInRows(model, rows, (StandInCase){versions, false, true}, sum)
+                         : addStandInRows(model, rows, (StandInCase){versions, false, false}, sum);
 }
 
 void CT_WIDE(nearRows)(const StandInModel* model, const LeafFrame* a, const LeafFrame* b, NearRows* rows) {
@@ -257,32 +278,61 @@ void CT_WIDE(nearRows)(const StandInModel* model, const LeafFrame* a, const Leaf
   }
 }
 
-/* From some of the particles of one leaf to all of the other. */
-static StandInRows rowsOf(const StandInSide ones[], const StandInSide all[], unsigned slots, float ofOnes[],
-                          float ofAll[]) {
-  StandInRows rows = {.ones = ones, .all = all, .slots = slots, .lanes = 0xffff, .ofOnes = ofOnes, .ofAll = ofAll};
-  shiftBetween(ones->frame, all->frame, rows.shift);
-  return rows;
+void CT_WIDE(nearMovers)(const StandInModel* model, const LeafFrame* const a[2], const LeafFrame* const b[2],
+                         unsigned moversOfA, unsigned moversOfB, NearRows* rows) {
+  const unsigned movers[2] = {moversOfA, moversOfB};
+  for (int side = 0; side < 2; side++) {
+    const LeafFrame* const* own = side == 0 ? a : b;
+    const LeafFrame* const* other = side == 0 ? b : a;
+    rows->pairs[side] = rows->born[side] = rows->overlaps[side] = 0;
+    if (movers[side] == 0) {
+      continue;
+    }
+    Float16 nearest = all16(NO_CUTOFF);
+    for (int version = 0; version < 2; version++) {
+      float shift[3];
+      shiftBetween(own[version], other[version], shift);
+      nearest = min16(nearest, squaredFromBox(own[version], other[version], shift));
+    }
+    rows->pairs[side] = (uint16_t)(movers[side] & ~greater16(nearest, all16(model->squaredCutoff * ROUNDING_OF_BOXES)));
+    rows->born[side] =
+        (uint16_t)(movers[side] & ~greater16(nearest, all16(model->squaredBornCutoff * ROUNDING_OF_BOXES)));
+    rows->overlaps[side] =
+        (uint16_t)(movers[side] & ~greater16(nearest, all16(model->squaredOverlap * ROUNDING_OF_BOXES)));
+  }
 }
 
 double CT_WIDE(standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b,
                              const NearRows* near, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
   /* By the side with fewer particles near the other. */
   const bool isOfA = __builtin_popcount(near->pairs[0]) <= __builtin_popcount(near->pairs[1]);
-  const StandInRows rows =
-      isOfA ? rowsOf(a, b, near->pairs[0], gradientA, gradientB) : rowsOf(b, a, near->pairs[1], gradientB, gradientA);
-  return total16(addStandInCase(model, &rows, false, zeroSum16()));
+  const StandInRows rows = isOfA ? (StandInRows){a, b, near->pairs[0], 0xffff, gradientA, gradientB}
+                                 : (StandInRows){b, a, near->pairs[1], 0xffff, gradientB, gradientA};
+  return total16(addStandInCase(model, &rows, oneVersion, zeroSum16()));
+}
+
+/* Rows of some slots of either side, of which pairs of two count once. */
+CT_INLINE double exchange(const StandInModel* model, const StandInSide a[2], const StandInSide b[2], unsigned slotsOfA,
+                          unsigned slotsOfB, unsigned lanesOfA, StandInVersions versions,
+                          float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
+  const StandInRows rows[2] = {{a, b, slotsOfA, 0xffff, gradientA, gradientB},
+                               {b, a, slotsOfB, lanesOfA, gradientB, gradientA}};
+  Sum16 sum = zeroSum16();
+  for (int i = 0; i < 2; i++) {
+    sum = addStandInCase(model, &rows[i], versions, sum);
+  }
+  return total16(sum);
 }
 
 double CT_WIDE(standInExchange)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
                                 const NearRows* near, unsigned slotsOfA, unsigned slotsOfB,
                                 float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
-  StandInRows rows[2] = {rowsOf(a, b, slotsOfA & near->pairs[0], gradientA, gradientB),
-                         rowsOf(b, a, slotsOfB & near->pairs[1], gradientB, gradientA)};
-  rows[1].lanes = ~slotsOfA;
-  Sum16 sum = zeroSum16();
-  for (int i = 0; i < 2; i++) {
-    sum = addStandInCase(model, &rows[i], true, sum);
-  }
-  return total16(sum);
+  return exchange(model, a, b, slotsOfA & near->pairs[0], slotsOfB & near->pairs[1], ~slotsOfA, twoRadii, gradientA,
+                  gradientB);
+}
+
+double CT_WIDE(standInMove)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
+                            const NearRows* movers, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
+  const unsigned ofB = a->frame == b->frame ? 0 : movers->pairs[1]; /* those of a leaf with itself count once */
+  return exchange(model, a, b, movers->pairs[0], ofB, ~(unsigned)movers->pairs[0], twoPlaces, gradientA, gradientB);
 }
