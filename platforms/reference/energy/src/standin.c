@@ -196,17 +196,17 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
 
 void ctStandInMovePairs(const StandIn* standIn, int a, int b, const PairFrames frames[2], const NearRows* movers,
                         PairRecord* record) {
-  StandInSide sideA[2];
-  StandInSide sideB[2];
-  for (int version = 0; version < 2; version++) {
-    const PlacedLeaf placedA = ctStandInPlace(standIn, a, frames[version].a);
-    const PlacedLeaf placedB = ctStandInPlace(standIn, b, frames[version].b);
-    sideA[version] = sideOf(standIn, &placedA, &placedB);
-    sideB[version] = sideOf(standIn, &placedB, &placedA);
-    if (a == b) { /* pairs in either order count, once */
-      sideA[version].excluded = sideB[version].excluded = standIn->nonbonded.mask.ofOwnImage[a];
-    }
+  const PlacedLeaf placedA = ctStandInPlace(standIn, a, frames->a);
+  const PlacedLeaf placedB = ctStandInPlace(standIn, b, frames->b);
+  StandInSide sideA[2] = {sideOf(standIn, &placedA, &placedB)};
+  StandInSide sideB[2] = {sideOf(standIn, &placedB, &placedA)};
+  if (a == b) { /* pairs in either order count, once */
+    sideA->excluded = sideB->excluded = standIn->nonbonded.mask.ofOwnImage[a];
   }
+  sideA[1] = sideA[0];
+  sideB[1] = sideB[0];
+  sideA[1].frame = frames[1].a;
+  sideB[1].frame = frames[1].b;
   record->energy += standIn->leaves->wide->standInMove(&standIn->model, sideA, sideB, movers, record->gradient[0],
                                                        record->gradient[1]);
 }

@@ -73,6 +73,19 @@ CT_INLINE Float16 powerOfMinus(Float16 x) {
   return floatsOfBits(addInts(bitsOf16(polynomial16(rest, 3, c)), exponent));
 }
 
+/* What is added up: energies of pairs, or of a new version less those of the former one. */
+typedef enum StandInVersions {
+  oneVersion,
+  twoRadii, /* without what does not depend on radii */
+  twoPlaces /* of particles that are displaced */
+} StandInVersions;
+
+typedef struct StandInCase {
+  StandInVersions versions;
+  bool isMasked; /* some pairs are excluded */
+  bool hasKappa;
+} StandInCase;
+
 /* How far the particles of a row of pairs are apart: r, and f of generalized Born. */
 typedef struct Separation {
   Float16 squared;  /* r^2 */
@@ -80,6 +93,8 @@ typedef struct Separation {
   Float16 widening; /* f^2 - r^2 = B_i B_j exp(-r^2 / (4 B_i B_j)) */
   Float16 inverse2; /* 1 / r^2 */
   Float16 inverseF2;
+  Float16 inverse; /* 1 / r, of displaced particles alone, as the next */
+  Float16 inverseF;
 } Separation;
 
 CT_INLINE Float16 squaredDistance(const Sixteen* one, const Sixteen* all) {
@@ -94,32 +109,26 @@ CT_INLINE void widen(const Sixteen* one, const Sixteen* all, Separation* s) {
   s->widening = mul16(mul16(one->radius, all->radius), powerOfMinus(s->exponent));
 }
 
-/* Both reciprocal squares by one division. */
-CT_INLINE void invert(Separation* s) {
+/* Both reciprocal squares by one division. Or by roots, which take less time than a division and two roots. */
+CT_INLINE void invert(Separation* s, StandInCase its) {
   const Float16 squaredF = add16(s->squared, s->widening);
+  if (its.versions == twoPlaces) {
+    s->inverse = inverseRoot16(s->squared);
+    s->inverseF = inverseRoot16(squaredF);
+    s->inverse2 = mul16(s->inverse, s->inverse);
+    s->inverseF2 = mul16(s->inverseF, s->inverseF);
+    return;
+  }
   const Float16 both = div16(all16(1), mul16(s->squared, squaredF));
   s->inverse2 = mul16(both, squaredF);
   s->inverseF2 = mul16(both, s->squared);
 }
 
-/* What is added up: energies of pairs, or of a new version less those of the former one. */
-typedef enum StandInVersions {
-  oneVersion,
-  twoRadii, /* without what does not depend on radii */
-  twoPlaces /* of particles that are displaced */
-} StandInVersions;
-
-typedef struct StandInCase {
-  StandInVersions versions;
-  bool isMasked; /* some pairs are excluded */
-  bool hasKappa;
-} StandInCase;
-
 /* The energies of a row of pairs, and their derivatives by ln B of either in units of STANDIN_GRADIENT. `used`: lanes
  * that count; `direct`: lanes that are not excluded. */
 CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const Sixteen* all, const Separation* s,
                             unsigned used, unsigned direct, StandInCase its, Float16* energy, Float16* gradient) {
-  const Float16 inverseF = sqrt16(s->inverseF2);
+  const Float16 inverseF = its.versions == twoPlaces ? s->inverseF : sqrt16(s->inverseF2);
   const Float16 fade = fadeAt(model, s->squared);
   const Float16 charges = mul16(one->bornCharge, all->bornCharge);
   Float16 born = mul16(charges, inverseF);
@@ -139,7 +148,8 @@ CT_INLINE void pairEnergies(const StandInModel* model, const Sixteen* one, const
     const Float16 ratio6 = mul16(mul16(ratio2, ratio2), ratio2);
     const Float16 epsilon = mul16(one->epsilon, all->epsilon);
     const Float16 lennardJones = mul16(epsilon, mul16(ratio6, sub16(ratio6, all16(1))));
-    const Float16 coulomb = mul16(mul16(one->charge, all->charge), sqrt16(s->inverse2));
+    const Float16 inverse = its.versions == twoPlaces ? s->inverse : sqrt16(s->inverse2);
+    const Float16 coulomb = mul16(mul16(one->charge, all->charge), inverse);
     Float16 unbound = min16(add16(lennardJones, coulomb), all16(STANDIN_MOST_ENERGY));
     if (its.isMasked) {
       unbound = keep16(direct, unbound);
@@ -213,7 +223,7 @@ CT_INLINE Sum16 addStandInRows(const StandInModel* model, const StandInRows* row
     widen(&one, &all[i % versions], &separations[i]);
   }
   for (int i = 0; i < count; i++) {
-    invert(&separations[i]);
+    invert(&separations[i], its);
   }
   Float16 gradients = load16(rows->ofAll);
   for (int begin = 0; begin < count; begin += ROWS_IN_FLOAT) {
