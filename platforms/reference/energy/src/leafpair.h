@@ -31,6 +31,9 @@ typedef struct FramedPair {
 /* No particle is so far (nm) from another, and the square of twice this is a float. */
 #define NOWHERE 1e18f
 
+/* A factor of squared cutoffs, with which rounding loses no particle near a box. */
+#define ROUNDING_OF_BOXES 1.0001f
+
 /* The squared cutoff where there is none: it tells particles from slots without any. */
 #define NO_CUTOFF (NOWHERE * NOWHERE / 100)
 

@@ -61,6 +61,7 @@ typedef struct StandIn {
   int stagedCapacity;
   StagedPair* staged; /* pairs that the trial moves, then pairs that only new radii change */
   int movedCount;     /* pairs that the trial moves */
+  StandInReach reach; /* if it displaces particles */
   double nearChange;
   double nearChangeBack;
 

@@ -64,6 +64,14 @@ typedef struct NearRows {
   uint16_t overlaps[2];
 } NearRows;
 
+/* How far displaced particles can be from another leaf, in the trial, to be within a cutoff in the trial or before it.
+ */
+typedef struct StandInReach {
+  float squaredPairs;
+  float squaredBorn;
+  float squaredOverlap;
+} StandInReach;
+
 /* True if two leaves can have an energy, or contribute to each other's Born sums. */
 static inline bool hasPairs(const NearRows* rows) {
   return rows->pairs[0] != 0 && rows->pairs[1] != 0;

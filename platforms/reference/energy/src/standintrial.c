@@ -91,16 +91,16 @@ static bool reserveStaged(StandIn* standIn, size_t count) {
   return true;
 }
 
-/* Finds which displaced particles of two leaves, whose frames in the trial are given, are near the other one; false if
- * none are, so that the pair does not change. */
-static bool findMovers(const StandIn* standIn, const ctLeafPair* pair, const PairFrames* frames, NearRows* movers) {
-  const TrialLeaves* leaves = standIn->leaves;
-  PairFrames before;
-  ctStandInFindFrames(standIn, pair->a, pair->b, pair->image, false, &before);
-  const LeafFrame* const a[2] = {frames->a, before.a};
-  const LeafFrame* const b[2] = {frames->b, before.b};
-  leaves->wide->nearMovers(&standIn->model, a, b, ctMoversOf(leaves, pair->a), ctMoversOf(leaves, pair->b), movers);
-  return havePairs(movers) || haveBorn(movers);
+/* Finds how far displaced particles reach. Both leaves of a pair can have some. */
+static void findReach(StandIn* standIn) {
+  const float apart = 2 * (float)standIn->leaves->farthest;
+  const float cutoffs[3] = {(float)standIn->pairCutoff, (float)standIn->bornCutoff,
+                            sqrtf(standIn->model.squaredOverlap)};
+  float squared[3];
+  for (int i = 0; i < 3; i++) {
+    squared[i] = (cutoffs[i] + apart) * (cutoffs[i] + apart) * ROUNDING_OF_BOXES;
+  }
+  standIn->reach = (StandInReach){squared[0], squared[1], squared[2]};
 }
 
 /* A record is computed again after this many moves of displaced particles, so that rounding does not add up. */
@@ -125,8 +125,12 @@ static ctStatus stage(StandIn* standIn, bool near) {
     NearRows rows;
     PairFrames frames;
     ctStandInFindFrames(standIn, changed->a, changed->b, changed->image, true, &frames);
-    if (leaves->isDisplacement && !findMovers(standIn, changed, &frames, &rows)) {
-      continue;
+    if (leaves->isDisplacement) {
+      leaves->wide->nearMovers(&standIn->reach, frames.a, frames.b, ctMoversOf(leaves, changed->a),
+                               ctMoversOf(leaves, changed->b), &rows);
+      if (!havePairs(&rows) && !haveBorn(&rows)) {
+        continue;
+      }
     }
     /* In the row of a leaf that moves: most pairs of a small move are in that. */
     const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
@@ -174,6 +178,9 @@ static void movePairs(StandIn* standIn, StagedPair* staged) {
 
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   rejectFormer(standIn);
+  if (standIn->leaves->isDisplacement) {
+    findReach(standIn);
+  }
   *change = 0;
   if (stage(standIn, true) != ctSuccess) {
     return ctOutOfMemory;

@@ -1,5 +1,6 @@
 #include "trialleaves.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -105,6 +106,16 @@ static void listChanged(TrialLeaves* leaves, int count, const ctLeafPair* change
   }
 }
 
+/* The greatest displacement of a piece, nm. */
+static double findFarthest(int count, const ctPiece* pieces, const ctTransform* motions) {
+  double squared = 0;
+  for (int i = 0; i < count; i++) {
+    const double* shift = motions[pieces[i].body].translation;
+    squared = fmax(squared, shift[0] * shift[0] + shift[1] * shift[1] + shift[2] * shift[2]);
+  }
+  return sqrt(squared);
+}
+
 ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   size_t count;
   const ctLeafPair* changed;
@@ -127,6 +138,9 @@ ctStatus ctTrialLeavesOpen(TrialLeaves* leaves, ctCounts* counts) {
   memcpy(leaves->pieces, pieces, (size_t)pieceCount * sizeof *pieces);
   leaves->pieceCount = pieceCount;
   leaves->isDisplacement = ctGetTrialParticles(leaves->tree, &particles) > 0;
+  if (leaves->isDisplacement) {
+    leaves->farthest = findFarthest(pieceCount, pieces, motions);
+  }
   listChanged(leaves, (int)count, changed);
   leaves->trial++;
   return ctSuccess;

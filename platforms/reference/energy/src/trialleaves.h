@@ -24,6 +24,7 @@ typedef struct TrialLeaves {
   /* The last trial that was asked about. */
   int64_t trial;
   bool isDisplacement;                   /* of single particles */
+  double farthest;                       /* nm: the greatest displacement */
   const ctLeafPositions* trialPositions; /* the scene's, as long as the trial is open */
   int changedCount;
   int changedCapacity;

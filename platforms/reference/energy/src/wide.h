@@ -64,11 +64,12 @@
   F(double, standInExchange, \
     (const StandInModel* model, const StandInSide a[2], const StandInSide b[2], const NearRows* rows, \
      unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH])) \
-  /* Which displaced particles of two leaves are near the other one, in the trial or before it: with the frames of both. */ \
+  /* wide/standinmove.c: which displaced particles of two leaves are within reach of the other one. */ \
   F(void, nearMovers, \
-    (const StandInModel* standIn, const LeafFrame* const a[2], const LeafFrame* const b[2], unsigned moversOfA, \
-     unsigned moversOfB, NearRows* rows)) \
-  /* Of pairs with a displaced particle: their energy in the first version of each side less that in the second. */ \
+    (const StandInReach* reach, const LeafFrame* a, const LeafFrame* b, unsigned moversOfA, unsigned moversOfB, \
+     NearRows* rows)) \
+  /* Of pairs with a displaced particle: their energy in the first version of each side less that in the second, which */ \
+  /* stands elsewhere. Derivatives are added. */ \
   F(double, standInMove, \
     (const StandInModel* model, const StandInSide a[2], const StandInSide b[2], const NearRows* movers, \
      float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH])) \

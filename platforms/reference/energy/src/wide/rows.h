@@ -15,9 +15,6 @@ static inline void shiftBetween(const LeafFrame* a, const LeafFrame* b, float sh
   }
 }
 
-/* Rounding must not lose a row. */
-#define ROUNDING_OF_BOXES 1.0001f
-
 /* Squared distances of the particles of leaf a from the box of leaf b, which is shifted. */
 CT_INLINE Float16 squaredFromBox(const LeafFrame* a, const LeafFrame* b, const float shift[3]) {
   const float* axes[3] = {a->x, a->y, a->z};
