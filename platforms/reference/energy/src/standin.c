@@ -21,6 +21,17 @@ static void setModel(StandInModel* model, const ctEnergyDefinition* d) {
   ctStandInFitShift(model, d);
 }
 
+static float squaredReach(float squaredCutoff, float displacement) {
+  const float reach = sqrtf(squaredCutoff) + displacement;
+  return (displacement > 0 ? reach * reach : squaredCutoff) * ROUNDING_OF_BOXES;
+}
+
+StandInReach ctStandInReach(const StandInModel* model, float displacement) {
+  return (StandInReach){squaredReach(model->squaredCutoff, displacement),
+                        squaredReach(model->squaredBornCutoff, displacement),
+                        squaredReach(model->squaredOverlap, displacement)};
+}
+
 double ctStandInGridFactor(double charge) {
   const double factor = pow(fabs(charge) / STANDIN_GRID_CHARGE, STANDIN_GRID_POWER);
   return fmin(factor, STANDIN_WIDEST_GRID); /* infinite without a charge */
@@ -117,6 +128,7 @@ ctStatus ctStandInCreate(StandIn* standIn, TrialLeaves* leaves, int particleCoun
   standIn->pairCutoff = d->standIn->pairCutoff;
   setModel(&standIn->model, d);
   standIn->model.squaredOverlap = standIn->born.model.squaredNear;
+  standIn->reach = ctStandInReach(&standIn->model, 0);
   setConstants(standIn, d->born, d->standIn->gridWidth);
   return ctSuccess;
 }
@@ -220,11 +232,12 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
     return;
   }
   NearRows rows;
-  standIn->leaves->wide->nearRows(&standIn->model, a->frame, b->frame, &rows);
   if (a->leaf == b->leaf || __builtin_popcount(slotsOfA) + __builtin_popcount(slotsOfB) > MOST_EXCHANGED) {
+    standIn->leaves->wide->nearRows(&standIn->model, a->frame, b->frame, &rows);
     ctStandInComputePairs(standIn, a, b, &rows, record);
     return;
   }
+  standIn->leaves->wide->nearSome(&standIn->reach, a->frame, b->frame, slotsOfA, slotsOfB, &rows);
   StandInSide sideA[2] = {sideOf(standIn, a, b)};
   StandInSide sideB[2] = {sideOf(standIn, b, a)};
   sideA[1] = sideA[0];

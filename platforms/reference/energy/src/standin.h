@@ -42,6 +42,7 @@ typedef struct StandIn {
   Nonbonded nonbonded; /* columns and exclusions */
   Born born;
   StandInModel model;
+  StandInReach reach;
   double bornCutoff;
   double pairCutoff;
   int particleCount;
@@ -59,9 +60,9 @@ typedef struct StandIn {
   int* touched; /* leaves */
   int stagedCount;
   int stagedCapacity;
-  StagedPair* staged; /* pairs that the trial moves, then pairs that only new radii change */
-  int movedCount;     /* pairs that the trial moves */
-  StandInReach reach; /* if it displaces particles */
+  StagedPair* staged;    /* pairs that the trial moves, then pairs that only new radii change */
+  int movedCount;        /* pairs that the trial moves */
+  StandInReach farReach; /* of displaced particles in the trial: those that are near in it or before it */
   double nearChange;
   double nearChangeBack;
 
@@ -173,6 +174,9 @@ PlacedLeaf ctStandInPlace(const StandIn* standIn, int leaf, const LeafFrame* fra
 
 /* The radii of a leaf by its sums. */
 void ctStandInComputeRadii(const StandIn* standIn, int number, StandInLeaf* leaf);
+
+/* The reach of the cutoffs, and of particles that may be displaced by this much, nm. */
+StandInReach ctStandInReach(const StandInModel* model, float displacement);
 
 /* The factor by which the grid of radii is wider for a particle with this charge. */
 double ctStandInGridFactor(double charge);

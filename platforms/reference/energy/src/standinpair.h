@@ -64,8 +64,7 @@ typedef struct NearRows {
   uint16_t overlaps[2];
 } NearRows;
 
-/* How far displaced particles can be from another leaf, in the trial, to be within a cutoff in the trial or before it.
- */
+/* How far a particle can be from the box of another leaf to be near it, see NearRows. */
 typedef struct StandInReach {
   float squaredPairs;
   float squaredBorn;

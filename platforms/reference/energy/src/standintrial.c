@@ -91,18 +91,6 @@ static bool reserveStaged(StandIn* standIn, size_t count) {
   return true;
 }
 
-/* Finds how far displaced particles reach. Both leaves of a pair can have some. */
-static void findReach(StandIn* standIn) {
-  const float apart = 2 * (float)standIn->leaves->farthest;
-  const float cutoffs[3] = {(float)standIn->pairCutoff, (float)standIn->bornCutoff,
-                            sqrtf(standIn->model.squaredOverlap)};
-  float squared[3];
-  for (int i = 0; i < 3; i++) {
-    squared[i] = (cutoffs[i] + apart) * (cutoffs[i] + apart) * ROUNDING_OF_BOXES;
-  }
-  standIn->reach = (StandInReach){squared[0], squared[1], squared[2]};
-}
-
 /* A record is computed again after this many moves of displaced particles, so that rounding does not add up. */
 enum { MOST_MOVES = 64 };
 
@@ -126,8 +114,8 @@ static ctStatus stage(StandIn* standIn, bool near) {
     PairFrames frames;
     ctStandInFindFrames(standIn, changed->a, changed->b, changed->image, true, &frames);
     if (leaves->isDisplacement) {
-      leaves->wide->nearMovers(&standIn->reach, frames.a, frames.b, ctMoversOf(leaves, changed->a),
-                               ctMoversOf(leaves, changed->b), &rows);
+      leaves->wide->nearSome(&standIn->farReach, frames.a, frames.b, ctMoversOf(leaves, changed->a),
+                             ctMoversOf(leaves, changed->b), &rows);
       if (!havePairs(&rows) && !haveBorn(&rows)) {
         continue;
       }
@@ -179,7 +167,8 @@ static void movePairs(StandIn* standIn, StagedPair* staged) {
 ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
   rejectFormer(standIn);
   if (standIn->leaves->isDisplacement) {
-    findReach(standIn);
+    /* Both leaves of a pair can have displaced particles. */
+    standIn->farReach = ctStandInReach(&standIn->model, 2 * (float)standIn->leaves->farthest);
   }
   *change = 0;
   if (stage(standIn, true) != ctSuccess) {

@@ -64,9 +64,9 @@
   F(double, standInExchange, \
     (const StandInModel* model, const StandInSide a[2], const StandInSide b[2], const NearRows* rows, \
      unsigned slotsOfA, unsigned slotsOfB, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH])) \
-  /* wide/standinmove.c: which displaced particles of two leaves are within reach of the other one. */ \
-  F(void, nearMovers, \
-    (const StandInReach* reach, const LeafFrame* a, const LeafFrame* b, unsigned moversOfA, unsigned moversOfB, \
+  /* wide/standinmove.c: which of some particles of two leaves are within reach of the other one. */ \
+  F(void, nearSome, \
+    (const StandInReach* reach, const LeafFrame* a, const LeafFrame* b, unsigned slotsOfA, unsigned slotsOfB, \
      NearRows* rows)) \
   /* Of pairs with a displaced particle: their energy in the first version of each side less that in the second, which */ \
   /* stands elsewhere. Derivatives are added. */ \

@@ -17,6 +17,7 @@ typedef struct BornRows {
   int count;
   int slots[2 * CT_LEAF_WIDTH];
   Float16 squared[2 * CT_LEAF_WIDTH];
+  Float16 inverse[2 * CT_LEAF_WIDTH]; /* 1 / r, of displaced particles alone */
   Float16 forLanes[2 * CT_LEAF_WIDTH];
   Float16 forRow[2 * CT_LEAF_WIDTH];
 } BornRows;
@@ -33,6 +34,9 @@ CT_INLINE void addBornRow(const BornSides* sides, int versions, int k, Float16 c
     /* Slots without a particle are beyond any cutoff. */
     rows->squared[i] = max16(min16(squared, all16(FARTHEST * FARTHEST)), all16(NEAREST * NEAREST));
     rows->slots[i] = k;
+    if (versions == 2) {
+      rows->inverse[i] = inverseRoot16(rows->squared[i]); /* in less time than roots and divisions */
+    }
     near |= greater16(cutoff, squared);
   }
   /* One near the box of a leaf may be near none in it. Without a branch, which could not be foreseen. */
@@ -53,13 +57,20 @@ CT_INLINE Float16 bornTaken(const StandInModel* standIn, Float16 squared) {
   return add16(all16(standIn->bornFade[0]), mul16(all16(standIn->bornFade[1]), squared));
 }
 
+/* The distances of a row. */
+CT_INLINE Float16 distancesOf(const BornRows* rows, int versions, int i) {
+  return versions == 2 ? mul16(rows->squared[i], rows->inverse[i]) : sqrt16(rows->squared[i]);
+}
+
 /* What particles contribute that do not overlap, and the greater of the two squares of s / r. */
-CT_INLINE void setSpheres(const StandInModel* standIn, const BornSides* sides, BornRows* rows, Float16 ratios[]) {
+CT_INLINE void setSpheres(const StandInModel* standIn, const BornSides* sides, int versions, BornRows* rows,
+                          Float16 ratios[]) {
   const BornColumns* columnsA = sides->a->columns;
   const BornColumns* columnsB = sides->b->columns;
   for (int i = 0; i < rows->count; i++) {
     const int k = rows->slots[i];
-    const Float16 inverse2 = div16(all16(1), rows->squared[i]);
+    const Float16 inverse2 =
+        versions == 2 ? mul16(rows->inverse[i], rows->inverse[i]) : div16(all16(1), rows->squared[i]);
     const Float16 inverse4 = mul16(inverse2, inverse2);
     const Float16 taken = bornTaken(standIn, rows->squared[i]);
     const Float16 tb = mul16(all16(columnsA->squaredScaled[k]), inverse2);
@@ -73,8 +84,8 @@ CT_INLINE void setSpheres(const StandInModel* standIn, const BornSides* sides, B
 }
 
 /* Puts what particles contribute that overlap in the place of that; rows in `near` may do. */
-CT_INLINE void setOverlaps(const BornModel* model, const StandInModel* standIn, const BornSides* sides, unsigned near,
-                           const Float16 ratios[], BornRows* rows) {
+CT_INLINE void setOverlaps(const BornModel* model, const StandInModel* standIn, const BornSides* sides, int versions,
+                           unsigned near, const Float16 ratios[], BornRows* rows) {
   const BornColumns* columnsA = sides->a->columns;
   const BornColumns* columnsB = sides->b->columns;
   const Float16 offsetB = load16(columnsB->offsetRadius);
@@ -98,8 +109,8 @@ CT_INLINE void setOverlaps(const BornModel* model, const StandInModel* standIn, 
     const int k = rows->slots[i];
     const Float16 offsetA = all16(columnsA->offsetRadius[k]);
     const Float16 scaledA = all16(columnsA->scaledRadius[k]);
-    const Float16 r = sqrt16(rows->squared[i]);
-    const Float16 inverse = div16(all16(1), r);
+    const Float16 r = distancesOf(rows, versions, i);
+    const Float16 inverse = versions == 2 ? rows->inverse[i] : div16(all16(1), r);
     const Float16 taken = bornTaken(standIn, rows->squared[i]);
     Float16 forLanes = overlapOf(r, inverse, offsetB, scaledA);
     Float16 forRow = overlapOf(r, inverse, offsetA, scaledB);
@@ -115,13 +126,13 @@ CT_INLINE void setOverlaps(const BornModel* model, const StandInModel* standIn, 
 }
 
 /* `areCut`: some particles within the cutoff are too far apart for a neck. */
-CT_INLINE void addNecks(const BornModel* model, const BornSides* sides, bool areCut, BornRows* rows) {
+CT_INLINE void addNecks(const BornModel* model, const BornSides* sides, int versions, bool areCut, BornRows* rows) {
   const BornColumns* columnsA = sides->a->columns;
   const BornNecks* necksB = model->necks + (size_t)sides->b->leaf * (size_t)model->neckTypeCount;
   for (int i = 0; i < rows->count; i++) {
     const int k = rows->slots[i];
     const BornNecks* necks = &necksB[columnsA->neckType[k]];
-    const Float16 r = sqrt16(rows->squared[i]);
+    const Float16 r = distancesOf(rows, versions, i);
     const Float16 widthB = neckWidth(r, load16(necks->distanceForLeaf));
     const Float16 widthA = neckWidth(r, load16(necks->distanceForOne));
     const Float16 both = div16(all16(1), mul16(widthA, widthB));
@@ -143,12 +154,12 @@ CT_INLINE void setBornRows(const BornModel* model, const StandInModel* standIn, 
                            unsigned slots, unsigned near, bool isSame, bool hasNecks, bool areCut, BornRows* rows) {
   Float16 ratios[2 * CT_LEAF_WIDTH];
   findBornRows(sides, versions, slots, standIn->squaredBornCutoff, isSame, rows);
-  setSpheres(standIn, sides, rows, ratios);
+  setSpheres(standIn, sides, versions, rows, ratios);
   if (near != 0) {
-    setOverlaps(model, standIn, sides, near, ratios, rows);
+    setOverlaps(model, standIn, sides, versions, near, ratios, rows);
   }
   if (hasNecks) {
-    addNecks(model, sides, areCut, rows);
+    addNecks(model, sides, versions, areCut, rows);
   }
 }
 

@@ -134,19 +134,19 @@ CT_INLINE Sum16 addMovedRows(const StandInModel* model, const MovedRows* rows, b
   return sum;
 }
 
-void CT_WIDE(nearMovers)(const StandInReach* reach, const LeafFrame* a, const LeafFrame* b, unsigned moversOfA,
-                         unsigned moversOfB, NearRows* rows) {
+void CT_WIDE(nearSome)(const StandInReach* reach, const LeafFrame* a, const LeafFrame* b, unsigned slotsOfA,
+                       unsigned slotsOfB, NearRows* rows) {
   const LeafFrame* frames[2] = {a, b};
-  const unsigned movers[2] = {moversOfA, moversOfB};
+  const unsigned slots[2] = {slotsOfA, slotsOfB};
   for (int side = 0; side < 2; side++) {
     rows->pairs[side] = rows->born[side] = rows->overlaps[side] = 0;
-    if (movers[side] != 0) {
+    if (slots[side] != 0) {
       float shift[3];
       shiftBetween(frames[side], frames[1 - side], shift);
       const Float16 squared = squaredFromBox(frames[side], frames[1 - side], shift);
-      rows->pairs[side] = (uint16_t)(movers[side] & ~greater16(squared, all16(reach->squaredPairs)));
-      rows->born[side] = (uint16_t)(movers[side] & ~greater16(squared, all16(reach->squaredBorn)));
-      rows->overlaps[side] = (uint16_t)(movers[side] & ~greater16(squared, all16(reach->squaredOverlap)));
+      rows->pairs[side] = (uint16_t)(slots[side] & ~greater16(squared, all16(reach->squaredPairs)));
+      rows->born[side] = (uint16_t)(slots[side] & ~greater16(squared, all16(reach->squaredBorn)));
+      rows->overlaps[side] = (uint16_t)(slots[side] & ~greater16(squared, all16(reach->squaredOverlap)));
     }
   }
 }

@@ -180,29 +180,37 @@ void CT_WIDE(nearRows)(const StandInModel* model, const LeafFrame* a, const Leaf
   }
 }
 
-/* From some of the particles of one leaf to all of the other. */
-static StandInRows rowsOf(const StandInSide ones[], const StandInSide all[], unsigned slots, float ofOnes[],
-                          float ofAll[]) {
-  StandInRows rows = {.ones = ones, .all = all, .slots = slots, .lanes = 0xffff, .ofOnes = ofOnes, .ofAll = ofAll};
-  shiftBetween(ones->frame, all->frame, rows.shift);
-  return rows;
+/* From some of the particles of one leaf to some of the other. Written in place: a copy would wait for the stores. */
+CT_INLINE void setRows(const StandInSide ones[], const StandInSide all[], unsigned slots, unsigned lanes,
+                       float ofOnes[], float ofAll[], StandInRows* rows) {
+  rows->ones = ones;
+  rows->all = all;
+  rows->slots = slots;
+  rows->lanes = lanes;
+  rows->ofOnes = ofOnes;
+  rows->ofAll = ofAll;
+  shiftBetween(ones->frame, all->frame, rows->shift);
 }
 
 double CT_WIDE(standInPairs)(const StandInModel* model, const StandInSide* a, const StandInSide* b,
                              const NearRows* near, float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
   /* By the side with fewer particles near the other. */
   const bool isOfA = __builtin_popcount(near->pairs[0]) <= __builtin_popcount(near->pairs[1]);
-  const StandInRows rows =
-      isOfA ? rowsOf(a, b, near->pairs[0], gradientA, gradientB) : rowsOf(b, a, near->pairs[1], gradientB, gradientA);
+  StandInRows rows;
+  if (isOfA) {
+    setRows(a, b, near->pairs[0], 0xffff, gradientA, gradientB, &rows);
+  } else {
+    setRows(b, a, near->pairs[1], 0xffff, gradientB, gradientA, &rows);
+  }
   return total16(addStandInCase(model, &rows, false, zeroSum16()));
 }
 
 double CT_WIDE(standInExchange)(const StandInModel* model, const StandInSide a[2], const StandInSide b[2],
                                 const NearRows* near, unsigned slotsOfA, unsigned slotsOfB,
                                 float gradientA[CT_LEAF_WIDTH], float gradientB[CT_LEAF_WIDTH]) {
-  StandInRows rows[2] = {rowsOf(a, b, slotsOfA & near->pairs[0], gradientA, gradientB),
-                         rowsOf(b, a, slotsOfB & near->pairs[1], gradientB, gradientA)};
-  rows[1].lanes = ~slotsOfA;
+  StandInRows rows[2];
+  setRows(a, b, slotsOfA & near->pairs[0], 0xffff, gradientA, gradientB, &rows[0]);
+  setRows(b, a, slotsOfB & near->pairs[1], ~slotsOfA, gradientB, gradientA, &rows[1]);
   Sum16 sum = zeroSum16();
   for (int i = 0; i < 2; i++) {
     sum = addStandInCase(model, &rows[i], true, sum);
