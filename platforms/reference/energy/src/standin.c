@@ -180,17 +180,28 @@ void ctStandInMoveBorn(const StandIn* standIn, int a, int b, const PairFrames fr
                                          record->born[1]);
 }
 
-/* A leaf in a pair with another. */
-static StandInSide sideOf(const StandIn* standIn, const PlacedLeaf* placed, const PlacedLeaf* other) {
+/* Sets a leaf in a pair with another. Written in place: a copy would wait for the stores. */
+static void setSide(const StandIn* standIn, const PlacedLeaf* placed, const PlacedLeaf* other, StandInSide* side) {
   const PairMask* mask = &standIn->nonbonded.mask;
   const int leaf = placed->leaf;
   const bool isSelf = placed->frame == other->frame; /* and not an image */
-  return (StandInSide){.frame = placed->frame,
-                       .columns = &standIn->nonbonded.columns[leaf],
-                       .charge = standIn->born.columns[leaf].charge,
-                       .radii = placed->radii,
-                       .shift = placed->shift,
-                       .excluded = isSelf ? pairMaskOf(mask, leaf, leaf) : pairMaskOfImage(mask, leaf, other->leaf)};
+  side->frame = placed->frame;
+  side->columns = &standIn->nonbonded.columns[leaf];
+  side->charge = standIn->born.columns[leaf].charge;
+  side->radii = placed->radii;
+  side->shift = placed->shift;
+  side->excluded = isSelf ? pairMaskOf(mask, leaf, leaf) : pairMaskOfImage(mask, leaf, other->leaf);
+}
+
+/* Sets a leaf that differs from another version of it by its place or its radii. */
+static void setVersion(const StandInSide* version, const LeafFrame* frame, const StandInRadii* radii,
+                       const StandInShift* shift, StandInSide* side) {
+  side->frame = frame;
+  side->columns = version->columns;
+  side->charge = version->charge;
+  side->radii = radii;
+  side->shift = shift;
+  side->excluded = version->excluded;
 }
 
 void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const PlacedLeaf* b, const NearRows* rows,
@@ -198,8 +209,10 @@ void ctStandInComputePairs(const StandIn* standIn, const PlacedLeaf* a, const Pl
   record->energy = 0;
   record->hasPairs = hasPairs(rows);
   if (record->hasPairs) {
-    const StandInSide sideA = sideOf(standIn, a, b);
-    const StandInSide sideB = sideOf(standIn, b, a);
+    StandInSide sideA;
+    StandInSide sideB;
+    setSide(standIn, a, b, &sideA);
+    setSide(standIn, b, a, &sideB);
     memset(record->gradient, 0, sizeof record->gradient);
     record->energy = standIn->leaves->wide->standInPairs(&standIn->model, &sideA, &sideB, rows, record->gradient[0],
                                                          record->gradient[1]);
@@ -210,15 +223,15 @@ void ctStandInMovePairs(const StandIn* standIn, int a, int b, const PairFrames f
                         PairRecord* record) {
   const PlacedLeaf placedA = ctStandInPlace(standIn, a, frames->a);
   const PlacedLeaf placedB = ctStandInPlace(standIn, b, frames->b);
-  StandInSide sideA[2] = {sideOf(standIn, &placedA, &placedB)};
-  StandInSide sideB[2] = {sideOf(standIn, &placedB, &placedA)};
+  StandInSide sideA[2];
+  StandInSide sideB[2];
+  setSide(standIn, &placedA, &placedB, sideA);
+  setSide(standIn, &placedB, &placedA, sideB);
   if (a == b) { /* pairs in either order count, once */
     sideA->excluded = sideB->excluded = standIn->nonbonded.mask.ofOwnImage[a];
   }
-  sideA[1] = sideA[0];
-  sideB[1] = sideB[0];
-  sideA[1].frame = frames[1].a;
-  sideB[1].frame = frames[1].b;
+  setVersion(sideA, frames[1].a, placedA.radii, placedA.shift, &sideA[1]);
+  setVersion(sideB, frames[1].b, placedB.radii, placedB.shift, &sideB[1]);
   record->energy += standIn->leaves->wide->standInMove(&standIn->model, sideA, sideB, movers, record->gradient[0],
                                                        record->gradient[1]);
 }
@@ -238,14 +251,12 @@ void ctStandInExchangePairs(const StandIn* standIn, const PlacedLeaf* a, unsigne
     return;
   }
   standIn->leaves->wide->nearSome(&standIn->reach, a->frame, b->frame, slotsOfA, slotsOfB, &rows);
-  StandInSide sideA[2] = {sideOf(standIn, a, b)};
-  StandInSide sideB[2] = {sideOf(standIn, b, a)};
-  sideA[1] = sideA[0];
-  sideB[1] = sideB[0];
-  sideA[1].radii = &stateLeaf(standIn, a->leaf)->radii;
-  sideB[1].radii = &stateLeaf(standIn, b->leaf)->radii;
-  sideA[1].shift = stateShift(standIn, a->leaf);
-  sideB[1].shift = stateShift(standIn, b->leaf);
+  StandInSide sideA[2];
+  StandInSide sideB[2];
+  setSide(standIn, a, b, sideA);
+  setSide(standIn, b, a, sideB);
+  setVersion(sideA, a->frame, &stateLeaf(standIn, a->leaf)->radii, stateShift(standIn, a->leaf), &sideA[1]);
+  setVersion(sideB, b->frame, &stateLeaf(standIn, b->leaf)->radii, stateShift(standIn, b->leaf), &sideB[1]);
   record->energy += standIn->leaves->wide->standInExchange(&standIn->model, sideA, sideB, &rows, slotsOfA, slotsOfB,
                                                            record->gradient[0], record->gradient[1]);
 }

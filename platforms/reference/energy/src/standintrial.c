@@ -110,25 +110,25 @@ static ctStatus stage(StandIn* standIn, bool near) {
   const ctLeafPair* pairs = ctChangedPairs(leaves, near, &count);
   for (int i = 0; i < count; i++) {
     const ctLeafPair* changed = &pairs[i];
-    NearRows rows;
+    StagedPair* staged = &standIn->staged[standIn->stagedCount];
+    NearRows* rows = &staged->rows;
     PairFrames frames;
     ctStandInFindFrames(standIn, changed->a, changed->b, changed->image, true, &frames);
     if (leaves->isDisplacement) {
       leaves->wide->nearSome(&standIn->farReach, frames.a, frames.b, ctMoversOf(leaves, changed->a),
-                             ctMoversOf(leaves, changed->b), &rows);
-      if (!havePairs(&rows) && !haveBorn(&rows)) {
+                             ctMoversOf(leaves, changed->b), rows);
+      if (!havePairs(rows) && !haveBorn(rows)) {
         continue;
       }
     }
     /* In the row of a leaf that moves: most pairs of a small move are in that. */
     const int moved = ctHasOwnFrame(leaves, changed->b) ? changed->b : changed->a;
     const int found = ctNeighborsFind(&standIn->neighbors, moved, changed->a + changed->b - moved, changed->image);
-    const bool isMove =
-        leaves->isDisplacement && found != CT_NULL && canMove(&standIn->neighbors.records[found], &rows);
+    const bool isMove = leaves->isDisplacement && found != CT_NULL && canMove(&standIn->neighbors.records[found], rows);
     if (!isMove) {
-      leaves->wide->nearRows(&standIn->model, frames.a, frames.b, &rows);
+      leaves->wide->nearRows(&standIn->model, frames.a, frames.b, rows);
     }
-    if (found == CT_NULL && !hasPairs(&rows) && !hasBorn(&rows)) {
+    if (found == CT_NULL && !hasPairs(rows) && !hasBorn(rows)) {
       continue;
     }
     const int pair = found != CT_NULL ? found : ctNeighborsReserve(&standIn->neighbors, changed->image);
@@ -139,7 +139,7 @@ static ctStatus stage(StandIn* standIn, bool near) {
     fetchPairs(record);
     fetchBorn(record);
     record->trial = leaves->trial;
-    StagedPair* staged = &standIn->staged[standIn->stagedCount++];
+    standIn->stagedCount++;
     staged->a = changed->a;
     staged->b = changed->b;
     staged->pair = pair;
@@ -147,7 +147,6 @@ static ctStatus stage(StandIn* standIn, bool near) {
     staged->isNear = near;
     staged->isOpen = true;
     staged->isMove = isMove;
-    staged->rows = rows;
     standIn->movedCount = standIn->stagedCount;
   }
   return ctSuccess;
