@@ -11,8 +11,8 @@
  * if the trial is accepted.
  *
  * What a trial changes. A term changes only if a torsion between its particles turns, and one does not count if they
- * keep their distances: a bond and an angle across the torsion's own bond never change. A pair of leaves changes unless
- * both lie in one rigid body of the trial.
+ * keep their distances: a bond and an angle across the torsion's own bond never change. A trial that displaces particles
+ * changes all terms that hold one of them. A pair of leaves changes unless both lie in one rigid body of the trial.
  *
  * Values of bodies that count as unmoved (see chaintree.h, closed windows) do not change. The positions to which stored
  * values belong are off by at most CT_MOST_LAG: before they are off by more, ctAcceptEnergyChange refreshes all values.
@@ -372,9 +372,9 @@ void ctDestroyEnergy(ctEnergy* energy);
 /* One sentence about the last call that failed; empty if none has. */
 const char* ctGetEnergyErrorText(const ctEnergy* energy);
 
-/* The number of terms of a set that some change of the scene's joints can change. The others cost nothing in trials. 0
- * if there is no such set. With isPeriodic, all count: a turn changes a term that is longer than half the box's width.
- */
+/* The number of terms of a set that some trial can change: by the scene's joints or, in a flexible scene, by particles
+ * that are not fixed. The others cost nothing in trials. 0 if there is no such set. With isPeriodic, all count: a turn
+ * changes a term that is longer than half the box's width. */
 int ctCountChangeableTerms(const ctEnergy* energy, int termSet);
 
 /* Computes all values from the scene's state. Call it before the first trial and whenever the state has changed in

@@ -10,7 +10,8 @@ static size_t countNamed(const TermSet* set) {
 bool ctHeldTermsCreate(int slotCount, int setCount, const TermSet* sets, HeldTerms* held) {
   held->slotCount = slotCount;
   held->begin = calloc((size_t)slotCount + 2, sizeof *held->begin);
-  if (held->begin == NULL) {
+  held->bodies = calloc((size_t)slotCount + 1, sizeof *held->bodies);
+  if (held->begin == NULL || held->bodies == NULL) {
     return false;
   }
   /* One further on, so that filling the lists turns their ends into their begins. */
@@ -38,4 +39,5 @@ bool ctHeldTermsCreate(int slotCount, int setCount, const TermSet* sets, HeldTer
 void ctHeldTermsFree(HeldTerms* held) {
   free(held->begin);
   free(held->terms);
+  free(held->bodies);
 }

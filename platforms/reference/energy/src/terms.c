@@ -211,6 +211,7 @@ void ctTermsDestroy(Terms* terms) {
 typedef struct Evaluation {
   Terms* terms;
   const TrialView* view; /* without pieces: the state */
+  const int* bodies;     /* of each slot, in a trial that displaces particles; else NULL */
   Term term;             /* the last one */
   int molecule;          /* the last one whose shift was asked for; 0: none was */
   double shift[3];
@@ -256,7 +257,7 @@ static void gatherPositions(Evaluation* evaluation, const int* slots, int width)
     double x[3];
     statePosition(view, slots[p], x);
     if (view->pieceCount > 0) {
-      moveByBody(view, trialBody(view, slots[p]), x);
+      moveByBody(view, evaluation->bodies != NULL ? evaluation->bodies[slots[p]] : trialBody(view, slots[p]), x);
     }
     if (isUnshifted) {
       removeShift(evaluation, slots[p], x);
@@ -462,26 +463,44 @@ static void changeLongTerms(Change* change) {
   }
 }
 
-/* All terms that hold a displaced particle. One of several is taken from the list of the first. */
+/* Sets the bodies of displaced slots, or takes them back. */
+static void setBodies(const TrialView* view, bool inTrial, const HeldTerms* held) {
+  for (int piece = 0; piece < view->pieceCount; piece++) {
+    const int end = pieceEnd(view, piece) < held->slotCount ? pieceEnd(view, piece) : held->slotCount;
+    for (int slot = view->pieces[piece].slotBegin; slot < end && view->pieces[piece].body != 0; slot++) {
+      held->bodies[slot] = inTrial ? view->pieces[piece].body : 0;
+    }
+  }
+}
+
+/* The terms that hold the particle of a slot, but for those that were computed. */
+static void changeTermsOfSlot(Change* change, int slot) {
+  Terms* terms = change->evaluation.terms;
+  const HeldTerms* held = &terms->held;
+  for (size_t i = held->begin[slot]; i < held->begin[slot + 1]; i++) {
+    const int term = held->terms[i];
+    if (terms->termTrials[term] != terms->trial) {
+      terms->termTrials[term] = terms->trial;
+      changeTerm(change, term);
+    }
+  }
+}
+
+/* All terms that hold a displaced particle. */
 static void changeHeldTerms(Change* change) {
   Terms* terms = change->evaluation.terms;
   const HeldTerms* held = &terms->held;
   const TrialView* view = change->evaluation.view;
   beginStamps(terms);
+  setBodies(view, true, held);
+  change->evaluation.bodies = held->bodies;
   for (int piece = 0; piece < view->pieceCount; piece++) {
-    if (view->pieces[piece].body == 0) {
-      continue;
-    }
-    const int begin = view->pieces[piece].slotBegin;
-    const int end = pieceEnd(view, piece);
-    for (size_t i = held->begin[begin]; i < held->begin[end < held->slotCount ? end : held->slotCount]; i++) {
-      const int term = held->terms[i];
-      if (terms->termTrials[term] != terms->trial) {
-        terms->termTrials[term] = terms->trial;
-        changeTerm(change, term);
-      }
+    const int end = pieceEnd(view, piece) < held->slotCount ? pieceEnd(view, piece) : held->slotCount;
+    for (int slot = view->pieces[piece].slotBegin; slot < end && view->pieces[piece].body != 0; slot++) {
+      changeTermsOfSlot(change, slot);
     }
   }
+  setBodies(view, false, held);
 }
 
 double ctTermsChange(Terms* terms, const TrialView* view) {

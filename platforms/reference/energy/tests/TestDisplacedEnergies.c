@@ -109,8 +109,8 @@ static double recompute(const Bench* other, const double* x) {
   return total(other);
 }
 
-/* Rounding of pairs, and of radii that are at the middle between two of the grid. */
-#define TOLERANCE 2e-3
+/* kJ/mol: rounding of pairs, and of radii that are at the middle between two of the grid. */
+static double tolerance = 2e-3;
 
 static void testChanges(bool hasOracle) {
   Bench bench = makeFolded();
@@ -126,14 +126,14 @@ static void testChanges(bool hasOracle) {
     CHECK(computeChange(&bench, &change) == ctSuccess);
     CHECK(ctGetTrialPositions(bench.tree, now) == ctSuccess);
     const double after = recompute(&other, now);
-    CHECK_NEAR(change, after - before, TOLERANCE);
+    CHECK_NEAR(change, after - before, tolerance);
     worst = fmax(worst, fabs(change - (after - before)));
     greatest = fmax(greatest, fabs(change));
     if (hasOracle && number % 4 == 1) {
       ctGetPositions(bench.tree, now);
       expectedBefore = oracle(now);
       CHECK(ctGetTrialPositions(bench.tree, now) == ctSuccess);
-      CHECK_NEAR(change, (double)(oracle(now) - expectedBefore), TOLERANCE);
+      CHECK_NEAR(change, (double)(oracle(now) - expectedBefore), tolerance);
     }
     if (number % 3 == 2) {
       ctReject(bench.tree);
@@ -141,7 +141,7 @@ static void testChanges(bool hasOracle) {
       accept(&bench);
       before = after;
     }
-    CHECK_NEAR(total(&bench), before, TOLERANCE);
+    CHECK_NEAR(total(&bench), before, tolerance);
   }
   CHECK(greatest > 1);
   printf("worst error %.2g kJ/mol\n", worst);
@@ -211,7 +211,7 @@ static void testOtherScene(void) {
   const double kept = total(&bench);
   CHECK(ctRefreshEnergy(bench.energy, NULL) == ctSuccess);
   CHECK(ctRefreshEnergy(other.energy, NULL) == ctSuccess);
-  CHECK_NEAR(kept, total(&bench), TOLERANCE);
+  CHECK_NEAR(kept, total(&bench), tolerance);
   CHECK(haveSameBits(total(&bench), total(&other)));
   double whole[2][2];
   CHECK(ctComputeWholeEnergy(bench.energy, &whole[0][0], &whole[0][1], NULL) == ctSuccess);
@@ -231,6 +231,47 @@ static void testOtherScene(void) {
   destroyBench(&other);
 }
 
+/* ---- Other models ---- */
+
+/* Salt, spheres within others, neither necks nor rescaled radii; and necks of all pairs within the cutoff. */
+static void testModels(void) {
+  ctBorn born = bornOfBeads;
+  ctEnergyDefinition d = definitionWithBorn;
+  d.born = &born;
+  described = &d;
+  born.neckTypeCount = 0;
+  born.isRescaled = false;
+  born.isFilled = true;
+  born.kappa = 1;
+  testChanges(false);
+  born = bornOfBeads;
+  born.neckCut = 0.6;
+  testChanges(false);
+}
+
+/* Charges alone, in a box that is so small that leaves are near their own images, and particles near any others. */
+static void testSmallBox(void) {
+  static const double box[3][3] = {{1.9, 0, 0}, {0.3, 2, 0}, {-0.4, 0.5, 2.1}};
+  static double none[BEADS];
+  const ctNonbonded plain = {.charges = charges,
+                             .sigmas = none,
+                             .epsilons = none,
+                             .cutoff = 0.9,
+                             .switchingDistance = INFINITY,
+                             .dielectric = 78};
+  ctBorn born = bornOfBeads;
+  ctEnergyDefinition d = definitionWithBorn;
+  born.cutoff = 0.9;
+  d.born = &born;
+  d.nonbonded = &plain;
+  d.pairSetCount = 0;
+  described = &d;
+  boxOfBenches = box;
+  tolerance = 0.01;
+  testChanges(false);
+  boxOfBenches = NULL;
+}
+
 int main(void) {
   describe();
   isFlexible = true;
@@ -242,5 +283,7 @@ int main(void) {
   testChanges(false);
   testBits();
   testOtherScene();
+  testModels();
+  testSmallBox();
   return checkResult();
 }

@@ -137,9 +137,10 @@ static const ctEnergyDefinition definitionWithBorn = {.scene = &scene,
                                                       .pairSets = &pairSet,
                                                       .termSetCount = 1,
                                                       .termSets = &torsionSet};
-/* That of benches, and whether their beads may be displaced. */
+/* That of benches, whether their beads may be displaced, and their periodic box. */
 static const ctEnergyDefinition* described = &definition;
 static bool isFlexible;
+static const double (*boxOfBenches)[3];
 
 /* The first three beads are the root. Each link turns about the bond from the bead before it to its first one. */
 static void describe(void) {
@@ -190,6 +191,7 @@ static inline Bench makeBench(void) {
   Bench bench;
   ctDefinition own = scene;
   own.isFlexible = isFlexible;
+  own.box = boxOfBenches;
   ctEnergyDefinition ofOwn = *described;
   ofOwn.scene = &own;
   CHECK(ctCreate(&own, &bench.tree, NULL, 0) == ctSuccess);
@@ -203,7 +205,8 @@ static inline void destroyBench(Bench* bench) {
 }
 
 static inline double total(const Bench* bench) {
-  return ctGetPairEnergy(bench->energy) + ctGetPairSetEnergy(bench->energy, 0) + ctGetTermEnergy(bench->energy, 0);
+  const double ofSet = described->pairSetCount > 0 ? ctGetPairSetEnergy(bench->energy, 0) : 0;
+  return ctGetPairEnergy(bench->energy) + ofSet + ctGetTermEnergy(bench->energy, 0);
 }
 
 /* Folds the chain to a coil, so that some leaves get more neighbours than there is room for. */
