@@ -1,6 +1,6 @@
 /* The stand-in for Born solvation in random programs of trials: its energy against all pairs in long double, changes of
  * trials against the states before and after, near pairs there against near pairs back, and the bits of each
- * instruction set. Two of five scenes are in a periodic box.
+ * instruction set. Two of five scenes are in a periodic box; in half of all, trials displace particles, too.
  *
  * Usage: TestStandIn [programs] [seed]. A failure prints its seed. */
 #define _POSIX_C_SOURCE 200112L /* setenv */
@@ -21,7 +21,7 @@ static const int defaultProgramCount = 100;
 static const uint64_t defaultSeed = 20261122;
 
 static struct Tally {
-    long programs, trials, accepted, compared, ambiguous, bentBack, ways, otherWays;
+    long programs, trials, displacements, accepted, compared, ambiguous, bentBack, ways, otherWays;
 } tally;
 
 typedef struct Program {
@@ -41,6 +41,7 @@ typedef struct Program {
     double far[MOST_PARTICLES];
     double box[3][3];
     bool isPeriodic;
+    bool isFlexible;
     double positions[3 * MOST_PARTICLES];
     bool isJudged;
     uint64_t answers;
@@ -145,6 +146,7 @@ static void createProgram(Program* p, uint64_t seed, bool isJudged)
         drawBox(p);
     scene.box = p->isPeriodic ? (const double(*)[3])p->box : NULL;
     setStandInBox(scene.box);
+    p->isFlexible = scene.isFlexible = seed % 2 == 0;
     p->tree = createDefined(&scene);
     p->definition =
         (ctEnergyDefinition){.scene = &scene, .nonbonded = &p->nonbonded, .born = &p->born, .standIn = &p->standIn};
@@ -209,10 +211,20 @@ static void compareState(Program* p)
         fail(p, "a refresh", 1, 0);
 }
 
-/* Proposes a change and computes all parts of its energy change; false if it cannot be proposed. */
-static bool propose(Program* p, const ctChange* change, double parts[CT_ENERGY_PARTS], double* nearBack)
+enum { MOST_DISPLACED = 4 };
+
+/* A change of a joint, or displacements. */
+typedef struct Trial {
+    ctChange change;
+    int count; /* 0: the change */
+    ctDisplacement displacements[MOST_DISPLACED];
+} Trial;
+
+/* Proposes a trial and computes all parts of its energy change; false if it cannot be proposed. */
+static bool propose(Program* p, const Trial* trial, double parts[CT_ENERGY_PARTS], double* nearBack)
 {
-    if (ctPropose(p->tree, 1, change) != ctSuccess)
+    if (trial->count > 0 ? ctProposeDisplacements(p->tree, trial->count, trial->displacements) != ctSuccess
+                         : ctPropose(p->tree, 1, &trial->change) != ctSuccess)
         return false;
     for (int part = 0; part < CT_ENERGY_PARTS; part++) {
         if (ctComputeEnergyChange(p->energy, (ctEnergyPart)part, &parts[part], NULL) != ctSuccess)
@@ -229,31 +241,63 @@ static bool isSame(double a, double b)
     return !(fabs(a) < 1e4) || fabs(a - b) <= 2e-3 + 1e-4 * fabs(a);
 }
 
+/* Draws a change of a joint that is not fixed, and the way back; false if it is fixed. */
+static bool drawChange(Program* p, ctChange* there, ctChange* back)
+{
+    const int link = randomInt(&p->random, p->scene.linkCount);
+    *there = *back = (ctChange){.link = link};
+    const double most = randomChance(&p->random, 0.7) ? 0.05 : 3;
+    if (p->scene.linkJoints[link] == ctFixedJoint)
+        return false;
+    if (p->scene.linkJoints[link] == ctTorsionJoint) {
+        there->angle = randomReal(&p->random, -most, most);
+        back->angle = -there->angle;
+        return true;
+    }
+    /* Far enough that leaves which touch each other part, or meet. */
+    const double farthest = randomChance(&p->random, 0.3) ? 1.5 : 0.1;
+    for (int d = 0; d < 3; d++) {
+        there->translation[d] = randomReal(&p->random, -farthest, farthest);
+        back->translation[d] = -there->translation[d];
+        if (p->scene.linkJoints[link] == ctBallJoint) {
+            there->rotation[d] = 5 * there->translation[d];
+            back->rotation[d] = -there->rotation[d];
+        }
+    }
+    return true;
+}
+
+/* Draws displacements of up to four particles, neighbours or any, some by one shift, and the way back. */
+static void drawDisplacements(Program* p, Trial* there, Trial* back)
+{
+    const double farthest = randomChance(&p->random, 0.2) ? 0.5 : 0.02;
+    const int first = randomInt(&p->random, p->scene.particleCount);
+    const int step = randomChance(&p->random, 0.7) ? 1 : 7;
+    const int most = 1 + randomInt(&p->random, MOST_DISPLACED);
+    for (int i = 0; i < most; i++) {
+        ctDisplacement* d = &there->displacements[there->count];
+        d->particle = (first + i * step) % p->scene.particleCount;
+        if (p->scene.linkJoints[p->scene.particleLinks[d->particle]] == ctFixedJoint)
+            continue;
+        back->displacements[there->count].particle = d->particle;
+        for (int k = 0; k < 3; k++) {
+            const double shift = randomReal(&p->random, -farthest, farthest);
+            d->shift[k] = i % 2 == 1 && there->count > 0 ? there->displacements[0].shift[k] : shift;
+            back->displacements[there->count].shift[k] = -d->shift[k];
+        }
+        back->count = ++there->count;
+    }
+}
+
 /* A trial, accepted or not; if accepted, sometimes also the way back. */
 static void tryOne(Program* p)
 {
-    const int link = randomInt(&p->random, p->scene.linkCount);
-    ctChange there = {.link = link};
-    ctChange back = there;
-    const double most = randomChance(&p->random, 0.7) ? 0.05 : 3;
-    if (p->scene.linkJoints[link] == ctFixedJoint)
+    Trial there = {.count = 0}, back = {.count = 0};
+    if (p->isFlexible && randomChance(&p->random, 0.6))
+        drawDisplacements(p, &there, &back);
+    if (there.count == 0 && !drawChange(p, &there.change, &back.change))
         return;
-    if (p->scene.linkJoints[link] == ctTorsionJoint) {
-        there.angle = randomReal(&p->random, -most, most);
-        back.angle = -there.angle;
-    }
-    else {
-        /* Far enough that leaves which touch each other part, or meet. */
-        const double farthest = randomChance(&p->random, 0.3) ? 1.5 : 0.1;
-        for (int d = 0; d < 3; d++) {
-            there.translation[d] = randomReal(&p->random, -farthest, farthest);
-            back.translation[d] = -there.translation[d];
-            if (p->scene.linkJoints[link] == ctBallJoint) {
-                there.rotation[d] = 5 * there.translation[d];
-                back.rotation[d] = -there.rotation[d];
-            }
-        }
-    }
+    tally.displacements += there.count > 0;
     double parts[CT_ENERGY_PARTS], partsBack[CT_ENERGY_PARTS], nearBack, nearThere;
     const double before = ctGetPairEnergy(p->energy);
     if (!propose(p, &there, parts, &nearBack))
@@ -285,14 +329,15 @@ static void takeBack(Program* p)
 {
     double* state = malloc((size_t)ctGetStateSize(p->tree) * sizeof *state);
     double before[CT_ENERGY_PARTS], after[CT_ENERGY_PARTS], nearBefore, nearAfter;
-    ctChange turn = {.link = randomInt(&p->random, p->scene.linkCount)};
-    if (p->scene.linkJoints[turn.link] == ctTorsionJoint)
-        turn.angle = 0.3;
+    Trial turn = {.change = {.link = randomInt(&p->random, p->scene.linkCount)}};
+    const int joint = p->scene.linkJoints[turn.change.link];
+    if (joint == ctTorsionJoint)
+        turn.change.angle = 0.3;
     else
-        turn.translation[0] = 0.05;
+        turn.change.translation[0] = 0.05;
     if (state == NULL)
         abort();
-    const bool isTrial = p->scene.linkJoints[turn.link] != ctFixedJoint && propose(p, &turn, before, &nearBefore);
+    const bool isTrial = joint != ctFixedJoint && propose(p, &turn, before, &nearBefore);
     ctReject(p->tree);
     ctGetState(p->tree, state);
     const double energy = ctGetPairEnergy(p->energy);
@@ -345,15 +390,17 @@ int main(int argumentCount, char** arguments)
             return 1;
         }
     }
-    printf("%ld programs, %ld trials, %ld accepted, %ld states compared, %ld ambiguous, near pairs of %ld not the "
+    printf("%ld programs, %ld trials, %ld of displaced particles, %ld accepted, %ld states compared, %ld ambiguous, "
+           "near pairs of %ld not the "
            "opposite on the way back, %ld of %ld ways doubtful\n",
-           tally.programs, tally.trials, tally.accepted, tally.compared, tally.ambiguous, tally.bentBack,
-           tally.otherWays, tally.ways);
+           tally.programs, tally.trials, tally.displacements, tally.accepted, tally.compared, tally.ambiguous,
+           tally.bentBack, tally.otherWays, tally.ways);
     /* Back and forth leaves roundings, by which a radius can fall to another one of the grid: in some 2 %, but those of
      * a scene are alike. */
     if (tally.otherWays > 3 + tally.ways / 25) {
         printf("near pairs of %ld ways of %ld change otherwise than those back\n", tally.otherWays, tally.ways);
         return 1;
     }
-    return programs < 20 || (tally.compared > 50 && tally.bentBack > 5) ? 0 : 1;
+    return programs < 20 || (tally.compared > 50 && tally.bentBack > 5 && tally.displacements > tally.trials / 5) ? 0
+                                                                                                                  : 1;
 }

@@ -11,8 +11,9 @@
  * if the trial is accepted.
  *
  * What a trial changes. A term changes only if a torsion between its particles turns, and one does not count if they
- * keep their distances: a bond and an angle across the torsion's own bond never change. A trial that displaces particles
- * changes all terms that hold one of them. A pair of leaves changes unless both lie in one rigid body of the trial.
+ * keep their distances: a bond and an angle across the torsion's own bond never change. A trial that displaces
+ * particles changes all terms that hold one of them. A pair of leaves changes unless both lie in one rigid body of the
+ * trial.
  *
  * Values of bodies that count as unmoved (see chaintree.h, closed windows) do not change. The positions to which stored
  * values belong are off by at most CT_MOST_LAG: before they are off by more, ctAcceptEnergyChange refreshes all values.
