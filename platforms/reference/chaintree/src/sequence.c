@@ -202,25 +202,90 @@ JointState ctJointTurned(const JointState* joint, const double rotation[3]) {
   return turned;
 }
 
+/* The vector that a frame rotates to x. The rotation of a quaternion whose length is 1 up to rounding is orthogonal up
+ * to that, and this error has a sign more often than the other: over many turns it would add up. */
+static void rotateBackExactly(const Frame* frame, const double x[3], double rotated[3]) {
+  const double wanted[3] = {x[0], x[1], x[2]};
+  double rest[3];
+  rotateBack(frame, wanted, rotated);
+  rotate(frame, rotated, rest);
+  subtract(wanted, rest, rest);
+  rotateBack(frame, rest, rest);
+  add(rotated, rest);
+}
+
+/* By how much the squared length of a quaternion exceeds 1. A quarter is subtracted from each square first, since sums
+ * near 1 are rounded more finely below 1 than above. */
+static double excessOf(const double q[4]) {
+  return ((q[0] * q[0] - 0.25) + (q[1] * q[1] - 0.25)) + ((q[2] * q[2] - 0.25) + (q[3] * q[3] - 0.25));
+}
+
+/* Turns a placement's rotation by a unit quaternion, in the parent's frame. A division by the rounded length would
+ * round more often down than up, and the sum over many turns would turn the link. */
+static void turnPlacement(const double turn[4], Placement* placement) {
+  const double* a = turn;
+  const double b[4] = {placement->quaternion[0], placement->quaternion[1], placement->quaternion[2],
+                       placement->quaternion[3]};
+  double* c = placement->quaternion;
+  c[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+  c[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+  c[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+  c[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+  const double half = 0.5 * excessOf(c);
+  for (int k = 0; k < 4; k++) {
+    c[k] -= half * c[k];
+  }
+}
+
+/* Puts the point `local` of a link that has been turned at a point of its parent's frame. */
+static void putPoint(Placement* turned, const double local[3], const double point[3]) {
+  Frame frame;
+  double arm[3];
+  rotationFromQuaternion(turned->quaternion, &frame);
+  rotate(&frame, local, arm);
+  subtract(point, arm, turned->position);
+}
+
+/* Turns in the parent's frame, where the axis stays: its direction in the link's frame would take up the roundings of
+ * the link's rotation, turn by turn. */
 JointState ctTorsionTurned(const Sequence* s, int link, double angle) {
   JointState turned = ctSequenceGetJoint(s, link);
   const Frame before = sequenceLocalFrame(s, link);
   double from[3];
   double to[3];
+  double end[3];
   double axis[3];
-  sequenceAxisEnds(s, link, from, to);
-  subtract(to, from, axis);
+  sequenceLocal(s, s->parent[link], s->joint[link].torsion[0], from);
+  sequenceLocal(s, link, s->joint[link].origin, to);
+  transformPoint(&before, to, end);
+  subtract(end, from, axis);
   const Angle half = angleOfAny(0.5 * angle);
   const double factor = half.sine / sqrt(dot(axis, axis));
   const double turn[4] = {half.cosine, factor * axis[0], factor * axis[1], factor * axis[2]};
-  quaternionMultiply(turned.placement.quaternion, turn, turned.placement.quaternion);
-  /* The end of the axis stays. */
-  Frame after;
-  double moved[3];
-  rotationFromQuaternion(turned.placement.quaternion, &after);
-  rotate(&after, to, moved);
-  transformPoint(&before, to, to);
-  subtract(to, moved, turned.placement.position);
+  turnPlacement(turn, &turned.placement);
+  putPoint(&turned.placement, to, end);
+  return turned;
+}
+
+JointState ctBallTurned(const Sequence* s, int link, const double rotation[3]) {
+  JointState turned = ctSequenceGetJoint(s, link);
+  const Frame before = sequenceLocalFrame(s, link);
+  const int particle = s->joint[link].origin;
+  const int holder = particleLink(s, particle);
+  double local[3];
+  double pivot[3];
+  if (holder == link) {
+    sequenceLocal(s, link, particle, local);
+    transformPoint(&before, local, pivot);
+  } else {
+    sequenceLocal(s, holder, particle, pivot);
+    subtract(pivot, turned.placement.position, local);
+    rotateBackExactly(&before, local, local);
+  }
+  double turn[4];
+  quaternionFromVector(rotation, turn);
+  turnPlacement(turn, &turned.placement);
+  putPoint(&turned.placement, local, pivot);
   return turned;
 }
 

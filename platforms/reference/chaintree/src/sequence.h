@@ -181,12 +181,13 @@ bool ctSequenceCanTurn(const Sequence* sequence, int link, const double* referen
 /* An angle in [-pi, pi] plus any other, in [-pi, pi] again. */
 double ctAngleTurned(double angle, double turn);
 
-/* The state of a joint; that of a ball joint, turned in the parent's frame by a rotation vector; that of a torsion
- * joint of a flexible scene, turned about its axis as that stands now; and that of a free joint, or a ball joint of a
- * flexible scene, moved in the parent's frame by a rotation vector about a pivot and then by a shift. */
+/* The state of a joint; that of a ball joint, turned in the parent's frame by a rotation vector; those of a torsion and
+ * of a ball joint of a flexible scene, turned about the axis or the pivot as it stands now; and that of a free joint,
+ * moved in the parent's frame by a rotation vector about a pivot and then by a shift. */
 JointState ctSequenceGetJoint(const Sequence* sequence, int link);
 JointState ctJointTurned(const JointState* joint, const double rotation[3]);
 JointState ctTorsionTurned(const Sequence* sequence, int link, double angle);
+JointState ctBallTurned(const Sequence* sequence, int link, const double rotation[3]);
 JointState ctJointMoved(const JointState* joint, const double rotation[3], const double pivot[3],
                         const double shift[3]);
 

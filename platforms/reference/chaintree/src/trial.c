@@ -102,17 +102,6 @@ static void findJointCentre(const Sequence* s, World* w, int link, double pivot[
   }
 }
 
-/* The same in the parent's frame, in a flexible scene. */
-static void findCentreInParent(const Sequence* s, int link, double pivot[3]) {
-  const int particle = s->joint[link].origin;
-  const int holder = particleLink(s, particle);
-  sequenceLocal(s, holder, particle, pivot);
-  if (holder == link) {
-    const Frame own = sequenceLocalFrame(s, link);
-    transformPoint(&own, pivot, pivot);
-  }
-}
-
 /* Turns a ball joint about its pivot. */
 CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, World* w, Frame* motion) {
   const double* rotation = change->given->rotation;
@@ -124,17 +113,6 @@ CT_NOINLINE void turnBall(TrialChange* change, const Sequence* s, World* w, Fram
   transformAbout(pivot, motion);
   memcpy(change->rotation, rotation, sizeof change->rotation);
   change->isPending = true;
-}
-
-/* Finds the state of a ball joint after a turn in its parent's frame. */
-static JointState ballTurned(const Sequence* s, int link, const JointState* before, const double rotation[3]) {
-  if (!s->isFlexible) {
-    return ctJointTurned(before, rotation);
-  }
-  double pivot[3];
-  const double stays[3] = {0, 0, 0};
-  findCentreInParent(s, link, pivot);
-  return ctJointMoved(before, rotation, pivot, stays);
 }
 
 /* Finds the states of joints before and after the trial that are not known yet. A ball joint takes a walk: so this
@@ -158,7 +136,7 @@ static void findStates(Trial* trial, const Sequence* s, Tree* tree, World* w) {
     const Frame parent = linkFromLeaf(s, w, link, &inLeaf);
     double rotation[3];
     rotateBack(&parent, change->rotation, rotation);
-    change->after = ballTurned(s, change->link, &change->before, rotation);
+    change->after = s->isFlexible ? ctBallTurned(s, change->link, rotation) : ctJointTurned(&change->before, rotation);
   }
 }
 
