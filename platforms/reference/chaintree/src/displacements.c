@@ -1,4 +1,5 @@
 /* Trials that displace particles within their links. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,6 +40,14 @@ static ctStatus checkDisplacement(ctChainTree* tree, const ctDisplacement* given
   }
   if (!areLengths(given->shift)) {
     return ctFail(tree, ctInvalidArgument, "the displacement given for particle %d " CT_NO_LENGTH, given->particle);
+  }
+  const double* reference = s->reference + 3 * (size_t)given->particle;
+  const double length = sqrt(dot(given->shift, given->shift));
+  for (int k = 0; k < 3; k++) {
+    if (fabs(reference[k]) + length > CT_MOST_LENGTH) { /* whichever way its link is turned */
+      return ctFail(tree, ctInvalidArgument, "the displacement given for particle %d takes it too far away",
+                    given->particle);
+    }
   }
   return ctSuccess;
 }
