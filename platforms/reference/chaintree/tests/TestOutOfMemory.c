@@ -90,6 +90,25 @@ static ctStatus proposeMany(ctChainTree* tree) {
   return ctPropose(tree, SIDE, changes);
 }
 
+static ctStatus displaceMany(ctChainTree* tree) {
+  ctDisplacement displacements[SIDE] = {{0}};
+  for (int i = 0; i < SIDE; i++) {
+    displacements[i].particle = 7 * i;
+    displacements[i].shift[i % 3] = 0.01 * i;
+  }
+  return ctProposeDisplacements(tree, SIDE, displacements);
+}
+
+/* From the proposal to the end of the trial, whichever of the calls fails. */
+static ctStatus displaceAndAccept(ctChainTree* tree) {
+  bool clash;
+  ctStatus status = displaceMany(tree);
+  if (status == ctSuccess) {
+    status = ctTestTrial(tree, &clash, NULL, NULL);
+  }
+  return status == ctSuccess ? ctAccept(tree, NULL) : status;
+}
+
 static ctStatus test(ctChainTree* tree) {
   bool clash;
   return ctTestTrial(tree, &clash, NULL, NULL);
@@ -203,7 +222,7 @@ static ctStatus validate(ctChainTree* tree) {
 }
 
 static ctStatus setSameState(ctChainTree* tree) {
-  static double state[3 * SITES + 7 * SIDE];
+  static double state[3 * SITES + 3 + 10 * SIDE];
   ctGetState(tree, state);
   return ctSetState(tree, state);
 }
@@ -260,6 +279,29 @@ static void testCall(const char* name, ctStatus (*call)(ctChainTree* tree), bool
     printf("%s was refused memory %d times\n", name, refused);
     checkFailures++;
   }
+}
+
+/* Each allocation on the way to an accepted displacement fails once. The next try gives the same positions. */
+static void testDisplaced(void) {
+  static double positions[2][3 * SITES];
+  int n = 0;
+  bool continues;
+  do {
+    ctChainTree* tree = makeLattice(LAYERS, 0.4, 0);
+    failAllocation(n++);
+    const ctStatus status = displaceAndAccept(tree);
+    continues = hasFailed;
+    allocationsLeft = -1;
+    CHECK(status == ctSuccess || (hasFailed && status == ctOutOfMemory));
+    if (status != ctSuccess) {
+      CHECK_SUCCESS(displaceAndAccept(tree));
+    }
+    CHECK(ctValidate(tree));
+    ctGetPositions(tree, positions[n > 1]);
+    CHECK(n == 1 || memcmp(positions[0], positions[1], sizeof positions[0]) == 0);
+    ctDestroy(tree);
+  } while (continues);
+  CHECK(n > 3);
 }
 
 /* ---- A selection of particles without radius, which are apart from the others ---- */
@@ -352,6 +394,11 @@ static void testAll(void) {
   const int before = live;
   testCreate();
   testCall("propose", proposeMany, true, 0);
+  areFlexible = true;
+  testCall("displace", displaceMany, true, 0);
+  testCall("set the state of a flexible scene", setSameState, false, 0.2);
+  testDisplaced();
+  areFlexible = false;
   testCall("test", test, true, 0);
   testCall("list changed pairs", listChanged, true, 0);
   testCall("read leaves", readLeaves, true, 0);

@@ -41,6 +41,11 @@ static void shake(const Scene* scene, ctChainTree* tree, const double (*box)[3])
     }
     CHECK_SUCCESS(ctPropose(tree, 1, &change));
     CHECK_SUCCESS(ctAccept(tree, NULL));
+    ctDisplacement displacements[MOST_DISPLACED];
+    if (areFlexible) {
+      CHECK_SUCCESS(ctProposeDisplacements(tree, drawDisplacements(box, displacements), displacements));
+      CHECK_SUCCESS(ctAccept(tree, NULL));
+    }
   }
 }
 
@@ -178,11 +183,12 @@ static void testFaults(void) {
 }
 
 int main(void) {
-  for (int box = 0; box < BOXES; box++) {
-    checkInstructionSets(testBox, boxes[box], (uint32_t)box + 1);
+  for (int box = 0; box < 2 * BOXES; box++) {
+    areFlexible = box >= BOXES;
+    checkInstructionSets(testBox, boxes[box % BOXES], (uint32_t)(box % BOXES) + 1);
   }
-  printf("%d of %d states clash\n", clashing, 3 * BOXES * ROUNDS);
-  CHECK(clashing > 0 && clashing < 3 * BOXES * ROUNDS);
+  printf("%d of %d states clash\n", clashing, 6 * BOXES * ROUNDS);
+  CHECK(clashing > 0 && clashing < 6 * BOXES * ROUNDS);
   testLimits();
   testFaults();
   return checkResult();

@@ -49,6 +49,9 @@ static inline void setBead(const Chain* chain, int i, const double position[3], 
   chain->particleLinks[i] = i;
 }
 
+/* Whether scenes of chains are flexible. */
+static bool chainsAreFlexible = false;
+
 /* Makes a scene of it, and frees it. */
 static inline ctChainTree* createChain(const Chain* chain) {
   const ctDefinition definition = {.particleCount = chain->particleCount,
@@ -60,7 +63,8 @@ static inline ctChainTree* createChain(const Chain* chain) {
                                    .linkJoints = chain->joints,
                                    .linkTorsions = (const int(*)[4])chain->torsions,
                                    .exclusionCount = chain->exclusionCount,
-                                   .exclusions = chain->exclusions};
+                                   .exclusions = chain->exclusions,
+                                   .isFlexible = chainsAreFlexible};
   ctChainTree* tree = checkedCreate(&definition);
   free(chain->positions);
   free(chain->radii);

@@ -70,6 +70,9 @@ static inline int linkLattice(LatticeLinks kind, int* particleLinks, int* parent
   return kind == ONE_FIXED_LINK ? 1 : kind == LAYERS ? SIDE : SITES;
 }
 
+/* Whether lattices that are made are flexible. */
+static bool areFlexible = false;
+
 static inline ctChainTree* makeLattice(LatticeLinks kind, double radius, double tolerance) {
   static double positions[3 * SITES];
   static double radii[SITES];
@@ -93,7 +96,8 @@ static inline ctChainTree* makeLattice(LatticeLinks kind, double radius, double 
                                    .linkParents = parents,
                                    .linkJoints = joints,
                                    .linkTorsions = (const int(*)[4])torsions,
-                                   .overlapTolerance = tolerance};
+                                   .overlapTolerance = tolerance,
+                                   .isFlexible = areFlexible};
   return checkedCreate(&definition);
 }
 

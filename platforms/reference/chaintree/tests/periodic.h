@@ -19,6 +19,9 @@ static inline double drawnBetween(double low, double high) {
   return low + (high - low) * drawn();
 }
 
+/* Whether scenes that are described are flexible. */
+static bool areFlexible = false;
+
 /* Box vectors: cubic, flat, a slab, a truncated octahedron, a rhombic dodecahedron, skewed, at the edge of OpenMM's
  * reduced form, and so small that a chain meets itself. */
 static const double boxes[][3][3] = {
@@ -77,12 +80,33 @@ static inline ctDefinition describeScene(Scene* scene, const double (*box)[3], d
                         .exclusionCount = exclusionCount,
                         .exclusions = (const int(*)[2])scene->exclusions,
                         .box = box,
-                        .overlapTolerance = tolerance};
+                        .overlapTolerance = tolerance,
+                        .isFlexible = areFlexible};
 }
 
 static inline ctChainTree* makeScene(Scene* scene, const double (*box)[3], double tolerance) {
   const ctDefinition definition = describeScene(scene, box, tolerance);
   return checkedCreate(&definition);
+}
+
+enum { MOST_DISPLACED = 4 };
+
+/* Draws displacements of one to four particles, often by one shift, now and then into another image. */
+static inline int drawDisplacements(const double (*box)[3], ctDisplacement* displacements) {
+  const int count = 1 + (int)(drawn() * MOST_DISPLACED);
+  const int first = (int)(drawn() * PARTICLES);
+  const int step = drawn() < 0.5 ? 1 : 17;
+  const double most = drawn() < 0.7 ? 0.1 : 1;
+  const int away = drawn() < 0.1 ? (int)drawnBetween(-3, 4) : 0;
+  for (int n = 0; n < count; n++) {
+    const bool isAsBefore = drawn() < 0.4;
+    displacements[n].particle = (first + n * step) % PARTICLES;
+    for (int d = 0; d < 3; d++) {
+      const double own = drawnBetween(-most, most) + away * box[n % 3][d];
+      displacements[n].shift[d] = n > 0 && isAsBefore ? displacements[n - 1].shift[d] : own;
+    }
+  }
+  return count;
 }
 
 static inline bool isExcluded(const Scene* scene, int i, int j) {
