@@ -184,14 +184,37 @@ static int chooseChanges(Twins* t, ctChange* changes)
     return count;
 }
 
+/* Of any particles, whether they are listed or not. */
+static int chooseDisplacements(Twins* t, ctDisplacement* displacements)
+{
+    int count = 0;
+    for (int tries = 1 + randomInt(&t->random, MOST_CHANGES); tries > 0; tries--) {
+        const int particle = randomInt(&t->random, t->scene.particleCount);
+        int isNew = t->scene.linkJoints[t->scene.particleLinks[particle]] != ctFixedJoint;
+        for (int i = 0; i < count; i++)
+            isNew = isNew && displacements[i].particle != particle;
+        if (!isNew)
+            continue;
+        displacements[count].particle = particle;
+        for (int d = 0; d < 3; d++)
+            displacements[count].shift[d] = randomReal(&t->random, -0.05, 0.05);
+        count++;
+    }
+    return count;
+}
+
 static void runTrial(Twins* t)
 {
     ctChange changes[MOST_CHANGES];
+    ctDisplacement displacements[MOST_CHANGES];
+    const int displaced =
+        t->scene.isFlexible && randomChance(&t->random, 0.5) ? chooseDisplacements(t, displacements) : 0;
     int count = chooseChanges(t, changes), accepts = randomChance(&t->random, 0.5);
     double cutoff = randomReal(&t->random, 0.05, 0.5);
     bool clashes[2];
     for (int k = 0; k < 2; k++) {
-        EXPECT(ctPropose(t->trees[k], count, changes) == ctSuccess);
+        EXPECT((displaced > 0 ? ctProposeDisplacements(t->trees[k], displaced, displacements)
+                              : ctPropose(t->trees[k], count, changes)) == ctSuccess);
         EXPECT(ctTestTrial(t->trees[k], &clashes[k], NULL, NULL) == ctSuccess);
         EXPECT(ctForEachChangedPair(t->trees[k], cutoff, addChanged, &t->lists[k], NULL) == ctSuccess);
         EXPECT(ctFollowTrialPositions(t->trees[k], false, t->numbers[k]) == ctSuccess);

@@ -165,6 +165,45 @@ static void testNestedChanges(void)
     oracleDestroy(scene);
 }
 
+/* Particles of a flexible scene are displaced, and links turn about where they are then. */
+static void testDisplacements(void)
+{
+    const double positions[] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 1, 0};
+    const double radii[] = {0.1, 0.1, 0.1, 0.1};
+    oracleScene* scene = makeChain(4, positions, radii, 0);
+    oracleMakeFlexible(scene);
+    const int particles[] = {2, 3, 1};
+    const double shifts[] = {-1, 1, 0, -1, 1, 0, 0, 0, 0.25};
+    double rotation[9], translation[3], sine;
+    oracleProposeDisplacements(scene, 3, particles, shifts);
+    CHECK(oracleIsPairChanged(scene, 0, 1) && oracleIsPairChanged(scene, 1, 2) && oracleIsPairChanged(scene, 0, 3));
+    CHECK(!oracleIsPairChanged(scene, 2, 3));
+    oracleReject(scene);
+    checkPosition(scene, ORACLE_STATE, 2, 1, 0, 0);
+    CHECK(!oracleIsPairChanged(scene, 0, 2));
+    oracleProposeDisplacements(scene, 1, particles, shifts);
+    oracleAccept(scene);
+    checkPosition(scene, ORACLE_STATE, 2, 0, 1, 0);
+    checkPosition(scene, ORACLE_STATE, 3, 1, 1, 0);
+    CHECK_NEAR(oracleTorsionAngle(scene, 2, &sine), pi / 2); /* and before, -pi / 2 */
+    oracleRelativeTransform(scene, 0, 2, rotation, translation);
+    CHECK_NEAR(translation[0], 1); /* where the particle was */
+    CHECK_NEAR(translation[1], 0);
+    /* Link 2 turns about the y axis now, and not about the x axis. */
+    const int link = 2;
+    const double change[ORACLE_CHANGE_SIZE] = {pi / 2};
+    oraclePropose(scene, 1, &link, change);
+    checkPosition(scene, ORACLE_TRIAL, 2, 0, 1, 0);
+    checkPosition(scene, ORACLE_TRIAL, 3, 0, 1, -1);
+    oracleAccept(scene);
+    CHECK_NEAR(fabs(oracleTorsionAngle(scene, 2, &sine)), pi);
+    oracleOrientation(scene, 2, rotation);
+    CHECK_NEAR(rotation[2], 1);
+    CHECK_NEAR(rotation[6], -1);
+    CHECK_NEAR(rotation[4], 1);
+    oracleDestroy(scene);
+}
+
 /* A quarter turn about a vertical axis, then a shift. */
 static void testRigidMotion(void)
 {
@@ -297,6 +336,7 @@ int main(void)
     testDihedralSign();
     testTorsion();
     testNestedChanges();
+    testDisplacements();
     testRigidMotion();
     testClashes();
     testLattice();

@@ -261,31 +261,53 @@ static void checkPieces(Case* c)
     }
 }
 
-static void checkLinks(Case* c, int count, const ctChange* changes)
+/* Changes of links, or displacements of particles. */
+typedef struct Proposal {
+    int changeCount, displacementCount;
+    ctChange changes[MOST_CHANGES];
+    ctDisplacement displacements[MOST_CHANGES];
+} Proposal;
+
+static ctStatus propose(ctChainTree* tree, const Proposal* proposal)
 {
-    const int* links;
-    EXPECT(ctGetTrialLinks(c->tree, &links) == count);
-    for (int i = 0; i < count; i++) {
-        int times = 0;
-        for (int k = 0; k < count; k++)
-            times += links[k] == changes[i].link;
-        EXPECT(times == 1);
-    }
+    return proposal->displacementCount > 0
+               ? ctProposeDisplacements(tree, proposal->displacementCount, proposal->displacements)
+               : ctPropose(tree, proposal->changeCount, proposal->changes);
 }
 
-static void checkTrial(Case* c, ctChainTree* rebuilt, int changeCount, const ctChange* changes)
+static int countOf(int value, int count, const int* values)
+{
+    int times = 0;
+    for (int i = 0; i < count; i++)
+        times += values[i] == value;
+    return times;
+}
+
+/* The trial changes these links, or displaces these particles. */
+static void checkContents(Case* c, const Proposal* proposal)
+{
+    const int *links, *particles;
+    EXPECT(ctGetTrialLinks(c->tree, &links) == proposal->changeCount);
+    EXPECT(ctGetTrialParticles(c->tree, &particles) == proposal->displacementCount);
+    for (int i = 0; i < proposal->changeCount; i++)
+        EXPECT(countOf(proposal->changes[i].link, proposal->changeCount, links) == 1);
+    for (int i = 0; i < proposal->displacementCount; i++)
+        EXPECT(countOf(proposal->displacements[i].particle, proposal->displacementCount, particles) == 1);
+}
+
+static void checkTrial(Case* c, ctChainTree* rebuilt, const Proposal* proposal)
 {
     double cutoff = chooseCutoff(c);
     EXPECT(ctGetTrialPositions(c->tree, c->trial) == ctSuccess);
     ctGetPositions(c->tree, c->state);
-    checkLinks(c, changeCount, changes);
+    checkContents(c, proposal);
     checkPieces(c);
     for (int calls = 1 + randomInt(&c->random, 2); calls > 0; calls--) {
         size_t count, otherCount;
         const ctLeafPair *pairs, *otherPairs;
         const ctLeafPositions *positions, *otherPositions;
         EXPECT(ctGetChangedLeafPairs(c->tree, cutoff, &count, &pairs, &positions, NULL) == ctSuccess);
-        EXPECT(ctPropose(rebuilt, changeCount, changes) == ctSuccess);
+        EXPECT(propose(rebuilt, proposal) == ctSuccess);
         EXPECT(ctGetChangedLeafPairs(rebuilt, cutoff, &otherCount, &otherPairs, &otherPositions, NULL) == ctSuccess);
         checkPairs(c, cutoff, count, pairs, 1);
         EXPECT(!c->isExact || hasPairs(count, pairs, otherCount, otherPairs));
@@ -304,6 +326,28 @@ static void checkTrial(Case* c, ctChainTree* rebuilt, int changeCount, const ctC
 }
 
 /* ---- Programs ---- */
+
+static int chooseDisplacements(Case* c, ctDisplacement* displacements)
+{
+    int count = 0;
+    for (int tries = 1 + randomInt(&c->random, MOST_CHANGES); tries > 0; tries--) {
+        const int particle = randomInt(&c->random, c->scene.particleCount);
+        int isNew = c->scene.linkJoints[c->scene.particleLinks[particle]] != ctFixedJoint;
+        for (int i = 0; i < count; i++)
+            isNew = isNew && displacements[i].particle != particle;
+        if (!isNew)
+            continue;
+        const double size = randomChance(&c->random, 0.5) ? 0.1 : 1.0;
+        displacements[count].particle = particle;
+        const int isAsBefore = count > 0 && randomChance(&c->random, 0.4);
+        for (int d = 0; d < 3; d++) {
+            const double own = randomReal(&c->random, -size, size);
+            displacements[count].shift[d] = isAsBefore ? displacements[count - 1].shift[d] : own;
+        }
+        count++;
+    }
+    return count;
+}
 
 static int chooseChanges(Case* c, ctChange* changes)
 {
@@ -368,14 +412,18 @@ static void runProgram(Case* c, int operations)
             changesState = 1;
         }
         else {
-            ctChange changes[MOST_CHANGES];
-            int count = chooseChanges(c, changes), clash;
+            Proposal proposal = {0};
+            if (c->scene.isFlexible && randomChance(&c->random, 0.5))
+                proposal.displacementCount = chooseDisplacements(c, proposal.displacements);
+            else
+                proposal.changeCount = chooseChanges(c, proposal.changes);
+            int clash;
             bool isClash;
-            EXPECT(ctPropose(c->tree, count, changes) == ctSuccess);
+            EXPECT(propose(c->tree, &proposal) == ctSuccess);
             if (randomChance(&c->random, 0.3))
                 EXPECT(ctTestTrial(c->tree, &isClash, NULL, NULL) == ctSuccess);
             if (randomChance(&c->random, 0.9))
-                checkTrial(c, rebuilt, count, changes);
+                checkTrial(c, rebuilt, &proposal);
             clash = randomInt(&c->random, 3);
             if (clash == 0)
                 ctReject(c->tree);

@@ -10,7 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const long defaultOperationCount = 50000;
+static const long defaultOperationCount = 75000;
 static const uint64_t defaultSeed = 20020607;
 
 static int runProgram(uint64_t seed, int mostParticles, Tally* tally)

@@ -25,7 +25,8 @@ static inline ctDefinition defineScene(const randomScene* scene, const uint8_t* 
                           .exclusionCount = scene->exclusionCount,
                           .exclusions = (const int(*)[2])scene->exclusions,
                           .overlapTolerance = scene->overlapTolerance,
-                          .hydrogenBondAllowance = scene->hydrogenBondAllowance};
+                          .hydrogenBondAllowance = scene->hydrogenBondAllowance,
+                          .isFlexible = scene->isFlexible != 0};
 }
 
 /* Makes a scene that must be right. */

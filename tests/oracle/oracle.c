@@ -39,6 +39,8 @@ struct oracleScene {
     real* turns[2];  /* a link, since the reference positions */
     int* changed;    /* a link: the nearest link that the trial changes, from itself upward, or -1 */
     motion* motions; /* a link that the trial changes */
+    int isFlexible;
+    int* displaced; /* a particle: the first one that the trial displaces by the same shift, or -1 */
     int exclusionCount;
     int* exclusions; /* sorted, particle1 < particle2 */
     int limitCount;
@@ -386,6 +388,7 @@ oracleScene* oracleCreate(int particleCount, const double* positions, const doub
     orderLinks(scene);
     scene->changed = allocate(linkCount, sizeof(int));
     scene->motions = allocate(linkCount, sizeof(motion));
+    scene->displaced = allocate(particleCount, sizeof(int));
     scene->exclusionCount = exclusionCount;
     scene->exclusions = allocate(2 * exclusionCount, sizeof(int));
     for (int n = 0; n < exclusionCount; n++)
@@ -417,6 +420,7 @@ void oracleDestroy(oracleScene* scene)
     free(scene->linkOrder);
     free(scene->changed);
     free(scene->motions);
+    free(scene->displaced);
     free(scene->exclusions);
     free(scene->limits);
     free(scene);
@@ -447,6 +451,13 @@ static void copyStateToTrial(oracleScene* scene)
     memcpy(scene->turns[ORACLE_TRIAL], scene->turns[ORACLE_STATE], (size_t)scene->linkCount * sizeof(real));
     for (int link = 0; link < scene->linkCount; link++)
         scene->changed[link] = -1;
+    for (int i = 0; i < scene->particleCount; i++)
+        scene->displaced[i] = -1;
+}
+
+void oracleMakeFlexible(oracleScene* scene)
+{
+    scene->isFlexible = 1;
 }
 
 void oracleSetPositions(oracleScene* scene, const double* positions)
@@ -493,9 +504,11 @@ double oracleDihedral(const oracleScene* scene, int which, int p1, int p2, int p
 double oracleTorsionAngle(const oracleScene* scene, int link, double* sine)
 {
     const real fullTurn = 2 * acosl(-1);
+    const vec* x = scene->isFlexible ? scene->positions[ORACLE_STATE] : scene->reference;
     real exactSine;
-    real angle =
-        dihedralOf(scene->reference, scene->linkTorsions + 4 * link, &exactSine) + scene->turns[ORACLE_STATE][link];
+    real angle = dihedralOf(x, scene->linkTorsions + 4 * link, &exactSine);
+    if (!scene->isFlexible)
+        angle += scene->turns[ORACLE_STATE][link];
     *sine = (double)exactSine;
     return (double)remainderl(angle, fullTurn);
 }
@@ -519,6 +532,17 @@ int oracleCentroid(const oracleScene* scene, int link, double* centroid)
     if (count > 0)
         vecToDoubles(scale(sum, (real)1 / count), centroid);
     return count;
+}
+
+void oracleOrientation(const oracleScene* scene, int link, double* rotation)
+{
+    const vec* axes = scene->axes[ORACLE_STATE] + 4 * link;
+    for (int column = 0; column < 3; column++) {
+        double axis[3];
+        vecToDoubles(subtract(axes[column + 1], axes[0]), axis);
+        for (int row = 0; row < 3; row++)
+            rotation[3 * row + column] = axis[row];
+    }
 }
 
 void oracleRelativeTransform(const oracleScene* scene, int linkA, int linkB, double* rotation, double* translation)
@@ -579,11 +603,25 @@ void oraclePropose(oracleScene* scene, int count, const int* links, const double
         scene->axes[ORACLE_TRIAL][n] = moveWithLink(scene, n / 4, scene->axes[ORACLE_STATE][n]);
 }
 
+void oracleProposeDisplacements(oracleScene* scene, int count, const int* particles, const double* shifts)
+{
+    copyStateToTrial(scene);
+    for (int n = 0; n < count; n++) {
+        vec* x = &scene->positions[ORACLE_TRIAL][particles[n]];
+        int first = 0;
+        while (memcmp(shifts + 3 * first, shifts + 3 * n, 3 * sizeof(double)) != 0)
+            first++;
+        *x = add(*x, vecFromDoubles(shifts + 3 * n));
+        scene->displaced[particles[n]] = particles[first];
+    }
+}
+
 /* Two particles move as one rigid body if the changes from their links upward are the same, which the first of them
- * tells: it has one way up. */
+ * tells: it has one way up; and if they are displaced by the same shift or not at all. */
 int oracleIsPairChanged(const oracleScene* scene, int particle1, int particle2)
 {
-    return scene->changed[scene->particleLinks[particle1]] != scene->changed[scene->particleLinks[particle2]];
+    return scene->changed[scene->particleLinks[particle1]] != scene->changed[scene->particleLinks[particle2]] ||
+           scene->displaced[particle1] != scene->displaced[particle2];
 }
 
 typedef struct worstPair {

@@ -41,6 +41,9 @@ oracleScene* oracleCreate(int particleCount, const double* positions, const doub
                           const int* exclusions, double overlapTolerance, double hydrogenBondAllowance);
 void oracleDestroy(oracleScene* scene);
 
+/* From now on particles may be displaced within their links. Links turn about the places of particles in the state. */
+void oracleMakeFlexible(oracleScene* scene);
+
 /* ---- State ---- */
 
 /* New reference positions; ends a trial, keeps limits. */
@@ -51,11 +54,15 @@ void oracleGetPositions(const oracleScene* scene, int which, double* positions);
  * undefined. */
 double oracleDihedral(const oracleScene* scene, int which, int p1, int p2, int p3, int p4, double* sine);
 
-/* The dihedral of a torsion joint: that of the reference positions plus all turns since. */
+/* The dihedral of a torsion joint: that of the reference positions plus all turns since; in a flexible scene that of
+ * the state. */
 double oracleTorsionAngle(const oracleScene* scene, int link, double* sine);
 
 /* The mean position of the particles of a link and of all links that hang on it. Returns their number. */
 int oracleCentroid(const oracleScene* scene, int link, double* centroid);
+
+/* Writes the rotation (row-major) by which a link is turned since the reference positions. */
+void oracleOrientation(const oracleScene* scene, int link, double* rotation);
 
 /* Writes the rotation (row-major) and translation from linkB's frame to linkA's. */
 void oracleRelativeTransform(const oracleScene* scene, int linkA, int linkB, double* rotation, double* translation);
@@ -69,6 +76,9 @@ void oracleSetLimits(oracleScene* scene, int count, const int* pairs, const doub
 
 /* Opens a trial: links[i] by changes[ORACLE_CHANGE_SIZE * i ...]. */
 void oraclePropose(oracleScene* scene, int count, const int* links, const double* changes);
+
+/* Opens a trial: particles[i] by shifts[3 * i ...]. Particles of one shift, bit by bit, are one body. */
+void oracleProposeDisplacements(oracleScene* scene, int count, const int* particles, const double* shifts);
 
 /* The margin (overlap - limit) of the worst pair that the trial does not move as one rigid body, and that pair;
  * -infinity without a pair that touches. The trial is refused if the margin is positive. */

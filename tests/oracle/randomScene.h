@@ -27,7 +27,8 @@ typedef struct randomScene {
     int exclusionCount;
     int* exclusions;
     double overlapTolerance, hydrogenBondAllowance;
-    double extent; /* nm: no particle is farther than this from the first one */
+    double extent;  /* nm: no particle is farther than this from the first one */
+    int isFlexible; /* particles may be displaced within their links */
 } randomScene;
 
 void randomSceneCreate(randomScene* scene, randomSource* random);

@@ -217,6 +217,21 @@ static void askAll(Program* p, ctChainTree* tree)
     free(list.pairs);
 }
 
+/* In a flexible scene: displaces a particle by as much as it may be, or more. */
+static void displaceFar(Program* p, const ctDefinition* d, ctChainTree* tree)
+{
+    if (!d->isFlexible)
+        return;
+    ctDisplacement displacement = {.particle = chooseParticle(p)};
+    for (int axis = 0; axis < 3; axis++)
+        displacement.shift[axis] = randomChance(&p->random, 0.5) ? 0 : chooseExtreme(p);
+    bool clash;
+    if (ctProposeDisplacements(tree, 1, &displacement) == ctSuccess)
+        SUCCEED(ctTestTrial(tree, &clash, NULL, NULL));
+    askAll(p, tree);
+    ctAccept(tree, NULL);
+}
+
 static double largestNumber(const Program* p, const ctDefinition* d)
 {
     double largest = 0;
@@ -264,6 +279,7 @@ void goToExtremes(Program* p)
             SUCCEED(ctTestTrial(tree, &clash, NULL, NULL));
         askAll(p, tree);
         ctAccept(tree, NULL);
+        displaceFar(p, &definition, tree);
     }
     ctDestroy(tree);
     freeArrays(&copies);

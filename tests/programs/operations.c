@@ -76,6 +76,7 @@ void printTally(const Tally* tally)
            tally->clashFree, tally->doubtful);
     printf("pairs: %ld clashes, %ld neighbours, %ld changed, %ld limits raised\n", tally->clashes, tally->neighbors,
            tally->changed, tally->raised);
+    printf("trials: %ld accepted displacements\n", tally->displaced);
     for (int n = 0; n < OPERATION_KINDS; n++)
         printf("%8ld %s\n", tally->operations[n], operations[n].name);
 }

@@ -27,6 +27,25 @@ void acceptInEngine(Program* program);
 /* A change of a movable link. */
 ctChange chooseChange(Program* program, int link);
 
+/* displacementOperations.c: trials of particles that are displaced within their links, in flexible scenes. Proposes
+ * one in engine and oracle, and returns how many particles it displaces; without a particle that can move, none. */
+int proposeDisplacements(Program* program);
+
+/* Opens a trial of displacements in engine and oracle. */
+void openDisplacements(Program* program, int count, const int* particles, const double* shifts);
+
+/* Refused displacements. */
+void displaceNonsense(Program* program);
+
+/* The trial displaces the particles that it was proposed to, and no link; or no particle. */
+void requireTrialParticles(const Program* program);
+
+/* A displacement that a flexible scene takes, if a particle can move. */
+ctDisplacement chooseDisplacement(Program* program);
+
+/* Accepts displacements in the engine: all other particles, and all links, keep the bits of their places. */
+void acceptDisplacements(Program* program, ctCounts* counts);
+
 /* limitOperations.c */
 void setLimits(Program* program);
 void raiseLimits(Program* program);

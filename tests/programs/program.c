@@ -55,7 +55,8 @@ void freeSet(KeptSet* set)
 
 double numberTolerance(const Program* p)
 {
-    return 1e-10 + 1e-12 * p->scene.extent;
+    const double factor = p->scene.isFlexible ? 5 : 1; /* turns about the places of particles are rounded, too */
+    return factor * (1e-10 + 1e-12 * p->scene.extent);
 }
 
 int coordinateCount(const Program* p)
@@ -101,9 +102,13 @@ ctChainTree* programCreateTree(Program* p)
 
 oracleScene* createOracle(const ctDefinition* d)
 {
-    return oracleCreate(d->particleCount, d->positions, d->radii, d->hydrogenBondRoles, d->particleLinks, d->linkCount,
-                        d->linkParents, d->linkJoints, (const int*)d->linkTorsions, d->exclusionCount,
-                        (const int*)d->exclusions, d->overlapTolerance, d->hydrogenBondAllowance);
+    oracleScene* oracle =
+        oracleCreate(d->particleCount, d->positions, d->radii, d->hydrogenBondRoles, d->particleLinks, d->linkCount,
+                     d->linkParents, d->linkJoints, (const int*)d->linkTorsions, d->exclusionCount,
+                     (const int*)d->exclusions, d->overlapTolerance, d->hydrogenBondAllowance);
+    if (d->isFlexible)
+        oracleMakeFlexible(oracle);
+    return oracle;
 }
 
 /* Lists no particles, all, every second or some. Takes no choice: corpora and seeds keep their meaning. */
@@ -125,6 +130,8 @@ static void createBoth(Program* p)
     p->tree = programCreateTree(p);
     const ctDefinition definition = programDefinition(p);
     p->oracle = createOracle(&definition);
+    if (definition.isFlexible)
+        p->isDisplaced = programAllocate(p->scene.particleCount, sizeof(bool));
 }
 
 static void listLinks(Program* p)
@@ -175,6 +182,7 @@ void programDestroy(Program* p)
     free(p->roots);
     free(p->hasMoved);
     free(p->isInTrial);
+    free(p->isDisplaced);
     free(p->state);
     free(p->trial);
     free(p->followed);

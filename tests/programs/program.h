@@ -28,7 +28,7 @@ enum { OPERATION_KINDS = 28 };
 /* Counts of events in all programs, which show that comparisons were not empty. */
 typedef struct Tally {
     long operations[OPERATION_KINDS]; /* in the order of operations.c */
-    long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised;
+    long programs, clashing, clashFree, doubtful, clashes, neighbors, changed, raised, displaced;
     int largest; /* particles of a scene */
 } Tally;
 
@@ -63,6 +63,8 @@ typedef struct Program {
     int* roots;        /* per link: the one without parent that it hangs on */
     bool* hasMoved;    /* per root: by an accepted trial since the reference positions */
     bool* isInTrial;   /* per root: by the open trial */
+    bool* isDisplaced; /* per particle: by the open trial; NULL: the scene is not flexible */
+    bool displaces;    /* the open trial displaces particles */
     PairList limits;   /* what ctGetLimits must give */
     KeptSet kept;
 } Program;

@@ -47,6 +47,7 @@ void proposeNonsense(Program* p)
     }
     if (p->movableCount > 0)
         proposeNonsenseFor(p, p->movable[randomInt(&p->random, p->movableCount)]);
+    displaceNonsense(p);
     comparePositions(p);
 }
 

@@ -73,7 +73,7 @@ static void flattenChange(const ctChange* change, double* flat)
     memcpy(flat + 7, change->translation, sizeof change->translation);
 }
 
-void propose(Program* p)
+static int proposeChanges(Program* p)
 {
     int count = chooseChangeCount(p);
     ctChange* changes = programAllocate(count, sizeof(ctChange));
@@ -91,11 +91,21 @@ void propose(Program* p)
     }
     SUCCEED(ctPropose(p->tree, count, changes));
     oraclePropose(p->oracle, count, links, flat);
-    p->hasTrial = true;
+    p->displaces = false;
     free(flat);
     free(links);
     free(changes);
+    return count;
+}
+
+/* In scenes that are not flexible this draws nothing beside changes. */
+void propose(Program* p)
+{
+    const bool displaces = p->scene.isFlexible && randomChance(&p->random, 0.5);
+    const int count = displaces ? proposeDisplacements(p) : proposeChanges(p);
+    p->hasTrial = true;
     requireUntouchedState(p);
+    requireTrialParticles(p);
     SUCCEED(ctGetTrialPositions(p->tree, p->trial));
     requireOraclePositions(p, ORACLE_TRIAL, p->trial);
     if (count % 3 != 0) { /* else what this trial changed is still missing at the next */
@@ -167,7 +177,11 @@ void compareChangedPairs(Program* p)
 void acceptInEngine(Program* p)
 {
     ctCounts counts;
-    SUCCEED(ctAccept(p->tree, chooseCounts(p, &counts)));
+    ctCounts* wanted = chooseCounts(p, &counts);
+    if (p->displaces)
+        acceptDisplacements(p, wanted);
+    else
+        SUCCEED(ctAccept(p->tree, wanted));
     requireCounted(p, &counts);
     memcpy(p->state, p->trial, positionBytes(p));
     p->hasTrial = false;
@@ -217,9 +231,18 @@ void acceptAndCompareLists(Program* p)
     free(after.pairs);
 }
 
+/* A rejected trial leaves the numbers of the state, too. */
 void rejectTrial(Program* p)
 {
+    const size_t size = ctGetStateSize(p->tree);
+    double* before = programAllocate((int)size, sizeof(double));
+    double* after = programAllocate((int)size, sizeof(double));
+    ctGetState(p->tree, before);
     ctReject(p->tree);
+    ctGetState(p->tree, after);
+    require(memcmp(before, after, size * sizeof(double)) == 0, p, "a rejected trial changes the state");
+    free(before);
+    free(after);
     oracleReject(p->oracle);
     p->hasTrial = false;
     requireUntouchedState(p);

@@ -89,9 +89,40 @@ static ctChange chooseChange(const Scene* scene, int link, double step, randomSo
     return change;
 }
 
-static void follow(const char* name, const Scene* scene, int trials, double step, randomSource* random)
+static ctStatus proposeChanges(ctChainTree* tree, const Scene* scene, int trial, double step, randomSource* random)
 {
-    const ctDefinition definition = sceneDefinition(scene);
+    const int first = randomInt(random, scene->linkCount), second = randomInt(random, scene->linkCount);
+    ctChange changes[2];
+    int count = 0;
+    if (scene->linkJoints[first] != ctFixedJoint)
+        changes[count++] = chooseChange(scene, first, trial % 10 == 0 ? 3 : step, random);
+    if (second != first && scene->linkJoints[second] != ctFixedJoint && trial % 4 == 0)
+        changes[count++] = chooseChange(scene, second, step, random);
+    return ctPropose(tree, count, changes);
+}
+
+/* Of one to three particles that follow each other, by one shift or by several. */
+static ctStatus proposeDisplacements(ctChainTree* tree, const Scene* scene, int trial, double step,
+                                     randomSource* random)
+{
+    const int first = randomInt(random, scene->particleCount);
+    ctDisplacement displacements[3];
+    int count = 0;
+    for (int n = 0; n < 1 + trial % 3; n++) {
+        double shift[3];
+        for (int axis = 0; axis < 3; axis++)
+            shift[axis] = count > 0 && trial % 2 == 0 ? displacements[0].shift[axis] : randomReal(random, -step, step);
+        const int particle = (first + n) % scene->particleCount;
+        if (scene->linkJoints[scene->particleLinks[particle]] != ctFixedJoint)
+            displacements[count++] = (ctDisplacement){particle, {shift[0], shift[1], shift[2]}};
+    }
+    return count > 0 ? ctProposeDisplacements(tree, count, displacements) : ctPropose(tree, 0, NULL);
+}
+
+static void follow(const char* name, const Scene* scene, bool isFlexible, int trials, double step, randomSource* random)
+{
+    ctDefinition definition = sceneDefinition(scene);
+    definition.isFlexible = isFlexible;
     char text[256];
     ctChainTree* tree;
     if (ctCreate(&definition, &tree, text, sizeof text) != ctSuccess)
@@ -100,15 +131,10 @@ static void follow(const char* name, const Scene* scene, int trials, double step
     succeed(ctRaiseLimits(tree, &raised, NULL), tree);
     uint64_t number = 0xcbf29ce484222325u;
     for (int trial = 0; trial < trials; trial++) {
-        const int first = randomInt(random, scene->linkCount), second = randomInt(random, scene->linkCount);
-        ctChange changes[2];
-        int count = 0;
-        if (scene->linkJoints[first] != ctFixedJoint)
-            changes[count++] = chooseChange(scene, first, trial % 10 == 0 ? 3 : step, random);
-        if (second != first && scene->linkJoints[second] != ctFixedJoint && trial % 4 == 0)
-            changes[count++] = chooseChange(scene, second, step, random);
         bool clash;
-        succeed(ctPropose(tree, count, changes), tree);
+        succeed(isFlexible && trial % 8 >= 4 ? proposeDisplacements(tree, scene, trial, 0.1, random)
+                                             : proposeChanges(tree, scene, trial, step, random),
+                tree);
         succeed(ctTestTrial(tree, &clash, NULL, NULL), tree);
         take(&number, &clash, sizeof clash);
         if (!clash)
@@ -168,8 +194,10 @@ int main(void)
     addGlobule(&globule, 900, &random);
     addBushes(&bushes, 75, &random);
     printFunctions();
-    follow("globule", &globule, 4000, 0.03, &random);
-    follow("bushes", &bushes, 4000, 0.5, &random);
+    follow("globule", &globule, false, 4000, 0.03, &random);
+    follow("bushes", &bushes, false, 4000, 0.5, &random);
+    follow("flexible globule", &globule, true, 4000, 0.03, &random);
+    follow("flexible bushes", &bushes, true, 4000, 0.5, &random);
     sceneFree(&globule);
     sceneFree(&bushes);
     return 0;
