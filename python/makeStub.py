@@ -25,7 +25,7 @@ _TYPES = {
     "sequence of int, or None": "_Indices | None",
 }
 _PREFIXES = {"sequence of": "_Vector", "numpy.ndarray of int32": "_Ints", "numpy.ndarray of float64": "_Floats"}
-_DEFAULTS = {"std::vector<int>()": "None"}
+_DEFAULTS = {"std::vector<int>()": "None", "true": "True"}
 
 _PARAMETER = re.compile(r"^:type (\w+): (.*?)(, out|, optional)?$", re.MULTILINE)
 

@@ -131,6 +131,7 @@ class MinimumDistance(NamedTuple):
 %move(CrankshaftMove)
 %move(VolumeMove)
 %move(GroupMove)
+%move(AtomMove)
 
 %header %{
 static void raiseOpenMMException(const char* message) {
@@ -486,6 +487,7 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
 %unit("nm", bornCutoff)
 %unit("nm", pairCutoff)
 %unit("1", floor)
+%unit("1", scales)
 %unit("1", values)
 %unit("1", weights)
 %unit("rad", means)
@@ -561,12 +563,13 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 %outputArray(std::vector<double>, 0, double, float64, (n), angles)
 %outputArray(std::vector<int>, 0, int, int32, (n), numBins)
 %outputArray(std::vector<double>, 0, double, float64, (n), values)
+%outputArray(std::vector<double>, 0, double, float64, (n), scales)
 %outputArray(std::vector<double>, 0, double, float64, (n), weights)
 %outputArray(std::vector<double>, 0, double, float64, (n), means)
 %outputArray(std::vector<double>, 0, double, float64, (n), widths)
 %outputArray(std::vector<OpenMM::Vec3>, 3, double, float64, %arg((n, 3)), positions)
 
-%typemap(in, numinputs=0) double& (double value), int& (int value), long long& (long long value) {
+%typemap(in, numinputs=0) double& (double value), int& (int value), long long& (long long value), bool& (bool value) {
     $1 = &value;
 }
 %typemap(in, numinputs=0) ChainTreePlugin::StericExclusionForce::HydrogenBondRole& (ChainTreePlugin::StericExclusionForce::HydrogenBondRole value) {
@@ -577,6 +580,10 @@ static PyObject* toNumPy(const void* values, size_t count, int columns, size_t i
 }
 %typemap(argout) int&, long long&, ChainTreePlugin::StericExclusionForce::HydrogenBondRole& {
     $result = SWIG_AppendOutput($result, PyLong_FromLongLong(*$1));
+}
+
+%typemap(argout) bool& {
+    $result = SWIG_AppendOutput($result, PyBool_FromLong(*$1));
 }
 
 %fragment("ToList", "header") {
@@ -1045,16 +1052,16 @@ def _setsAndDensities(torsions, density):
     $1 = &values;
 }
 %typemap(doctype) const std::vector<int>& "sequence of int, or None"
-%typemap(in, numinputs=0) std::vector<int>& (std::vector<int> values) {
+%typemap(in, numinputs=0) std::vector<int>& (std::vector<int> values), std::vector<int>& particles (std::vector<int> values) {
     $1 = &values;
 }
-%typemap(argout, fragment="ToNumPy") std::vector<int>& {
+%typemap(argout, fragment="ToNumPy") std::vector<int>&, std::vector<int>& particles {
     PyObject* indices = $1->empty() ? Py_NewRef(Py_None) : toNumPy($1->data(), $1->size(), 0, sizeof(int), "int32");
     if (indices == NULL)
         SWIG_fail;
     $result = SWIG_AppendOutput($result, indices);
 }
-%typemap(argout) const std::vector<int>& ""
+%typemap(argout) const std::vector<int>&, const std::vector<int>& particles ""
 %typemap(doctype) std::vector<int>& "numpy.ndarray of int32, shape (n)"
 
 %extend ChainTreePlugin::TorsionMonteCarloIntegrator {

@@ -95,7 +95,7 @@ bool KeptGeometry::checkPositions(const vector<Vec3>& positions, const BoxVector
     }
     if (numDifferent == 1 && !isImage)
         fail(different, "alone is elsewhere, in one coordinate");
-    if (!someAreSame)
+    if (!someAreSame || structure.isFlexible())
         return isImage;
 
     // The distances to the first particle of a link and to the previous one determine its shape.

@@ -122,7 +122,7 @@ private:
     set<pair<int, int>> bonds;
 };
 
-LinkStructure::LinkStructure(const System& system, const StericExclusionForce& force) :
+LinkStructure::LinkStructure(const System& system, const StericExclusionForce& force, bool isFlexible) :
     periodic(force.usesPeriodicBoundaryConditions()), particleLinks(force.getNumParticles(), -1),
     torsionLinks(force.getNumTorsions(), -1), ballJointLinks(force.getNumBallJoints(), -1)
 {
@@ -140,6 +140,8 @@ LinkStructure::LinkStructure(const System& system, const StericExclusionForce& f
             growMolecule(link, anchors, linkJoints);
     orderLinks();
     findClosures(graph, force);
+    if (isFlexible)
+        atomGroups = make_shared<AtomGroups>(system, force, *this);
 }
 
 LinkStructure::~LinkStructure()

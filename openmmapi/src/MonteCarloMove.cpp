@@ -1,6 +1,7 @@
 #include "openmmchaintree/internal/MonteCarloMove.h"
 #include "openmm/OpenMMException.h"
 #include "openmmchaintree/internal/ArgumentChecks.h"
+#include <algorithm>
 #include <cmath>
 #include <locale>
 #include <map>
@@ -55,6 +56,12 @@ string MoveKind::findUnit(const string& method, const string& argument)
     return "1";
 }
 
+string MoveKind::withArticle(const string& name)
+{
+    const bool beginsWithVowel = string("aeiou").find(name[0]) != string::npos;
+    return (beginsWithVowel ? "an " : "a ") + name + " move";
+}
+
 // ---- Parameters ----
 
 static string toText(double value)
@@ -67,6 +74,8 @@ static string toText(double value)
 
 string MoveParameter::getRange() const
 {
+    if (isFlag)
+        return "True or False";
     if (!holds_alternative<double>(value) && !holds_alternative<int>(value))
         return "";
     const string low = (mayBeLeast ? "at least " : "above ") + toText(least);
@@ -97,7 +106,7 @@ void MoveParameter::check(const string& kind) const
         number = *integer;
     else
         return; // bind() knows which indices exist
-    const string whose = "TorsionMonteCarloIntegrator: the " + text + " of a " + kind + " move";
+    const string whose = "TorsionMonteCarloIntegrator: the " + text + " of " + MoveKind::withArticle(kind);
     if (most == LargestAngle)
         checkAngle(number, whose);
     else if (holds_alternative<double>(value) && isinf(most))
@@ -132,6 +141,18 @@ void MonteCarloMove::write(SerializationNode& node) const
             for (double number : std::get<vector<double>>(parameter.value))
                 node.createChildNode(parameter.element).setDoubleProperty("value", number);
     }
+}
+
+void MonteCarloMove::setNumSizeClasses(size_t count, const string& name)
+{
+    hasClasses = true;
+    if (all_of(scales.begin(), scales.end(), [&](double scale) {
+            return scale == scales[0];
+        }))
+        scales.assign(count, scales[0]);
+    if (scales.size() != count)
+        throw OpenMMException(name + " has " + to_string(scales.size()) + " scales, but its trials have " +
+                              to_string(count) + " classes; call setMoveScale() to give all of them one scale");
 }
 
 bool MonteCarloMove::propose(TrialSession& trials, RandomNumberGenerator& random)

@@ -66,7 +66,7 @@ const MoveList::Entry& MoveList::get(int index) const
 void MoveList::requireKind(int index, const MoveKind& kind) const
 {
     if (&get(index).move->getKind() != &kind)
-        fail("move " + to_string(index) + " is not a " + kind.name + " move");
+        fail("move " + to_string(index) + " is not " + MoveKind::withArticle(kind.name));
 }
 
 void MoveList::bind(const LinkStructure* structure)
@@ -86,6 +86,13 @@ double MoveList::sumWeights() const
     if (sum == 0)
         fail("all moves have weight 0");
     return sum;
+}
+
+bool MoveList::displaceParticles() const
+{
+    return any_of(entries.begin(), entries.end(), [](const Entry& entry) {
+        return entry.move->displacesParticles();
+    });
 }
 
 bool MoveList::changeVolume() const
@@ -118,13 +125,42 @@ void MoveList::resetStatistics()
 
 // ---- XML ----
 
+static bool areEqual(const vector<double>& values)
+{
+    return all_of(values.begin(), values.end(), [&](double value) {
+        return value == values[0];
+    });
+}
+
+static string joinNumbers(const vector<double>& values)
+{
+    string text;
+    for (double value : values)
+        text += (text.empty() ? "" : " ") + writeNumber(value);
+    return text;
+}
+
+static vector<double> splitNumbers(const string& text)
+{
+    stringstream numbers(text);
+    numbers.imbue(locale::classic());
+    vector<double> values;
+    double value;
+    while (numbers >> value)
+        values.push_back(value);
+    return values;
+}
+
 void MoveList::writeMoves(SerializationNode& node) const
 {
     for (const Entry& entry : entries) {
         SerializationNode& move = node.createChildNode(entry.move->getKind().element);
         move.setDoubleProperty("weight", entry.weight);
-        if (entry.move->getScale() != 1)
-            move.setDoubleProperty("scale", entry.move->getScale());
+        const vector<double>& scales = entry.move->getScales();
+        if (!areEqual(scales))
+            move.setStringProperty("scales", joinNumbers(scales));
+        else if (scales[0] != 1)
+            move.setDoubleProperty("scale", scales[0]);
         entry.move->write(move);
     }
 }
@@ -135,6 +171,8 @@ void MoveList::readMoves(const SerializationNode& node)
         const int move = add(MoveKind::find(child.getName()).read(child), child.getDoubleProperty("weight"));
         if (child.hasProperty("scale"))
             setScale(move, child.getDoubleProperty("scale"));
+        if (child.hasProperty("scales"))
+            setScales(move, splitNumbers(child.getStringProperty("scales")));
     }
 }
 
@@ -215,11 +253,15 @@ string MoveList::summarize(int index) const
 {
     const Entry& entry = get(index);
     string text = entry.move->summarize() + " (weight " + toText(entry.weight);
-    if (entry.move->getScale() != 1) {
+    const vector<double>& scales = entry.move->getScales();
+    const auto range = minmax_element(scales.begin(), scales.end());
+    if (*range.first != 1) {
         stringstream scale;
         scale.imbue(locale::classic());
         scale.precision(3);
-        scale << entry.move->getScale();
+        scale << *range.first;
+        if (*range.first != *range.second)
+            scale << " to " << *range.second;
         text += ", scaled by " + scale.str();
     }
     for (const MoveParameter& parameter : entry.move->getParameters())
@@ -241,27 +283,47 @@ string MoveList::summarize(int index) const
 
 void MoveList::setScale(int index, double scale)
 {
+    setScales(index, vector<double>(get(index).move->getScales().size(), scale));
+}
+
+void MoveList::setScales(int index, const vector<double>& scales)
+{
     const string name = "move " + to_string(index);
+    const size_t numClasses = get(index).move->getScales().size();
     if (!get(index).move->hasSize())
         fail(name + " has no size that could be scaled");
-    if (!(scale > 0 && scale <= 1))
-        fail("the scale of " + name + " must be above 0 and at most 1, but is " + toText(scale));
+    for (double scale : scales)
+        if (!(scale > 0 && scale <= 1))
+            fail("the scale of " + name + " must be above 0 and at most 1, but is " + toText(scale));
+    if (scales.empty() || (structure != NULL && scales.size() != numClasses))
+        fail(name + " has " + to_string(numClasses) + " scales, but was given " + to_string(scales.size()));
     Entry& entry = entries[index];
-    entry.move->setScale(scale);
-    entry.adaptation = SizeAdaptation();
+    entry.move->setScales(scales);
+    entry.adaptations.clear();
     entry.counts = Counts();
 }
 
 void MoveList::restartAdaptation()
 {
     for (Entry& entry : entries)
-        entry.adaptation = SizeAdaptation();
+        entry.adaptations.clear();
 }
 
 // ---- Checkpoints and States ----
 
 /** The names in States for the parts of a SizeAdaptation::State. */
 static const char* const ADAPTATION_NAMES[] = {"adaptationBlocks", "adaptationTrials", "adaptationAccepted"};
+
+/**
+ * Get the state of the adaptation of each class of a move's sizes.
+ */
+vector<SizeAdaptation::State> MoveList::getAdaptations(const Entry& entry)
+{
+    vector<SizeAdaptation::State> states(entry.move->getScales().size());
+    for (size_t i = 0; i < states.size() && i < entry.adaptations.size(); i++)
+        states[i] = entry.adaptations[i].getState();
+    return states;
+}
 
 void MoveList::createCheckpoint(CheckpointWriter& writer) const
 {
@@ -275,8 +337,15 @@ void MoveList::createCheckpoint(CheckpointWriter& writer) const
         }
         const Counts& counts = entry.counts;
         writer.write(vector<long long>({counts.impossible, counts.clashed, counts.rejectedByEnergy, counts.accepted}));
-        writer.write(entry.move->getScale());
-        writer.write(entry.adaptation.getState());
+        const vector<SizeAdaptation::State> adaptations = getAdaptations(entry);
+        if (entry.move->hasSizeClasses()) {
+            writer.write(entry.move->getScales());
+            writer.write(adaptations);
+        }
+        else {
+            writer.write(entry.move->getScale());
+            writer.write(adaptations[0]);
+        }
     }
 }
 
@@ -298,19 +367,31 @@ MoveList::Progress MoveList::readCheckpoint(CheckpointReader& reader) const
         const vector<long long> counts = reader.readVector<long long>();
         if (counts.size() != 4)
             fail("the checkpoint is damaged");
-        progress.statistics.push_back({counts[0], counts[1], counts[2], counts[3]});
-        progress.scales.push_back(reader.read<double>());
-        progress.adaptations.push_back(reader.read<SizeAdaptation::State>());
+        MoveProgress move = {{counts[0], counts[1], counts[2], counts[3]}, {}, {}};
+        if (entries[i].move->hasSizeClasses()) {
+            move.scales = reader.readVector<double>();
+            move.adaptations = reader.readVector<SizeAdaptation::State>();
+        }
+        else {
+            move.scales = {reader.read<double>()};
+            move.adaptations = {reader.read<SizeAdaptation::State>()};
+        }
+        if (move.scales.size() != entries[i].move->getScales().size() || move.adaptations.size() != move.scales.size())
+            fail("the checkpoint is damaged");
+        progress.push_back(move);
     }
     return progress;
 }
 
 void MoveList::setProgress(const Progress& progress)
 {
-    setStatistics(progress.statistics);
     for (size_t i = 0; i < entries.size(); i++) {
-        entries[i].move->setScale(progress.scales[i]);
-        entries[i].adaptation.setState(progress.adaptations[i]);
+        const MoveProgress& read = progress[i];
+        entries[i].counts = read.counts;
+        entries[i].move->setScales(read.scales);
+        entries[i].adaptations.assign(read.adaptations.size(), {});
+        for (size_t j = 0; j < read.adaptations.size(); j++)
+            entries[i].adaptations[j].setState(read.adaptations[j]);
     }
 }
 
@@ -328,6 +409,16 @@ void MoveList::setStatistics(const vector<Counts>& statistics)
         entries[i].counts = statistics[i];
 }
 
+/**
+ * Write the scale and the state of the adaptation of a class of sizes.
+ */
+static void writeSize(SerializationNode& node, double scale, const SizeAdaptation::State& adaptation)
+{
+    setNumber(node, "scale", scale);
+    for (size_t i = 0; i < adaptation.size(); i++)
+        node.setLongProperty(ADAPTATION_NAMES[i], adaptation[i]);
+}
+
 void MoveList::writeProgress(SerializationNode& node) const
 {
     for (const Entry& entry : entries) {
@@ -338,11 +429,20 @@ void MoveList::writeProgress(SerializationNode& node) const
             .setLongProperty("clashed", entry.counts.clashed)
             .setLongProperty("rejectedByEnergy", entry.counts.rejectedByEnergy)
             .setLongProperty("accepted", entry.counts.accepted);
-        setNumber(move, "scale", entry.move->getScale());
-        const SizeAdaptation::State state = entry.adaptation.getState();
-        for (size_t i = 0; i < state.size(); i++)
-            move.setLongProperty(ADAPTATION_NAMES[i], state[i]);
+        const vector<SizeAdaptation::State> adaptations = getAdaptations(entry);
+        writeSize(move, entry.move->getScale(), adaptations[0]);
+        for (size_t i = 1; i < adaptations.size(); i++)
+            writeSize(move.createChildNode("Size"), entry.move->getScale(i), adaptations[i]);
     }
+}
+
+static void readSize(const SerializationNode& node, MoveList::MoveProgress& progress)
+{
+    progress.scales.push_back(node.hasProperty("scale") ? getNumber(node, "scale") : 1);
+    SizeAdaptation::State state;
+    for (size_t i = 0; i < state.size(); i++)
+        state[i] = node.getLongProperty(ADAPTATION_NAMES[i], 0);
+    progress.adaptations.push_back(state);
 }
 
 bool MoveList::readProgress(const SerializationNode& node, Progress& progress) const
@@ -351,19 +451,23 @@ bool MoveList::readProgress(const SerializationNode& node, Progress& progress) c
     if (moves.size() != entries.size())
         return false;
     for (size_t i = 0; i < entries.size(); i++)
+        if (moves[i].getChildren().size() + 1 != entries[i].move->getScales().size())
+            return false;
+    for (size_t i = 0; i < entries.size(); i++)
         for (auto& property : describe(entries[i]))
             if (moves[i].getStringProperty(property.first, "") != property.second)
                 return false;
     for (const SerializationNode& move : moves) {
         // States of former versions have neither impossible trials nor scales.
 
-        progress.statistics.push_back({move.getLongProperty("refused", 0), move.getLongProperty("clashed"),
-                                       move.getLongProperty("rejectedByEnergy"), move.getLongProperty("accepted")});
-        progress.scales.push_back(move.hasProperty("scale") ? getNumber(move, "scale") : 1);
-        SizeAdaptation::State state;
-        for (size_t i = 0; i < state.size(); i++)
-            state[i] = move.getLongProperty(ADAPTATION_NAMES[i], 0);
-        progress.adaptations.push_back(state);
+        MoveProgress read = {{move.getLongProperty("refused", 0), move.getLongProperty("clashed"),
+                              move.getLongProperty("rejectedByEnergy"), move.getLongProperty("accepted")},
+                             {},
+                             {}};
+        readSize(move, read);
+        for (const SerializationNode& size : move.getChildren())
+            readSize(size, read);
+        progress.push_back(read);
     }
     return true;
 }

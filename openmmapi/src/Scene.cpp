@@ -341,11 +341,23 @@ void Scene::describe(const Proposal::Change& proposed, ctChange& change) const
     }
 }
 
+void Scene::proposeDisplacements(const vector<Proposal::Displacement>& proposed)
+{
+    displacements.resize(proposed.size());
+    for (size_t i = 0; i < proposed.size(); i++)
+        displacements[i] = {proposed[i].particle, {proposed[i].shift[0], proposed[i].shift[1], proposed[i].shift[2]}};
+    check(ctProposeDisplacements(tree.get(), displacements.size(), displacements.data()));
+}
+
 bool Scene::propose(const Proposal& proposal)
 {
     if (proposal.getBoxFactor() != 1)
         return proposeScaled(proposal.getBoxFactor());
     isScaled = false;
+    if (!proposal.getDisplacements().empty()) {
+        proposeDisplacements(proposal.getDisplacements());
+        return true;
+    }
     const vector<Proposal::Change>& proposed = proposal.getChanges();
     changes.resize(proposed.size());
     for (int i = 0; i < (int)proposed.size(); i++)

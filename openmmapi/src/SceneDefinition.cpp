@@ -6,8 +6,9 @@ using namespace OpenMM;
 using namespace std;
 
 SceneDefinition::SceneDefinition(const StericExclusionForce& force, const LinkStructure& structure) :
-    parameters(force), isPeriodic(force.usesPeriodicBoundaryConditions()), torsionLinks(structure.getTorsionLinks()),
-    ballJointLinks(structure.getBallJointLinks()), particleLinks(structure.getParticleLinks())
+    parameters(force), isPeriodic(force.usesPeriodicBoundaryConditions()), isFlexible(structure.isFlexible()),
+    torsionLinks(structure.getTorsionLinks()), ballJointLinks(structure.getBallJointLinks()),
+    particleLinks(structure.getParticleLinks())
 {
     for (const LinkStructure::Molecule& molecule : structure.getMolecules())
         moleculeRoots.push_back(molecule.root);
@@ -67,5 +68,6 @@ ctDefinition SceneDefinition::describe(const vector<Vec3>& positions) const
     definition.box = isPeriodic ? rowsOf(box) : NULL;
     definition.overlapTolerance = parameters.overlapTolerance;
     definition.hydrogenBondAllowance = parameters.hydrogenBondAllowance;
+    definition.isFlexible = isFlexible;
     return definition;
 }

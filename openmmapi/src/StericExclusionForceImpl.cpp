@@ -94,7 +94,7 @@ void StericExclusionForceImpl::initialize(ContextImpl& context)
         hasVirtualSites = hasVirtualSites || system.isVirtualSite(i);
     leastBoxWidth = 2 * findLargestCutoff(system);
     original.reset(new StericExclusionForce(owner));
-    structure.reset(new LinkStructure(system, owner));
+    structure.reset(new LinkStructure(system, owner, displacesParticles(context.getIntegrator())));
     velocities.reset(new VelocityTurner(system, *structure));
 
     kernel = createKernel(context);
@@ -395,6 +395,8 @@ vector<int> StericExclusionForceImpl::describeStructure() const
     vector<int> description = structure->describe();
     if (original->usesPeriodicBoundaryConditions())
         description.push_back(1);
+    if (structure->isFlexible())
+        description.push_back(2);
     return description;
 }
 

@@ -209,6 +209,14 @@ bool ChainTreePlugin::hasSilentSteps(const Integrator& integrator)
     return hasIntegrator(integrator, isSilent);
 }
 
+bool ChainTreePlugin::displacesParticles(const Integrator& integrator)
+{
+    return hasIntegrator(integrator, [](const Integrator& one) {
+        auto sampler = dynamic_cast<const TorsionMonteCarloIntegrator*>(&one);
+        return sampler != NULL && sampler->displacesParticles();
+    });
+}
+
 bool ChainTreePlugin::hasSpheresOff(const Integrator& integrator)
 {
     return hasIntegrator(integrator, [](const Integrator& one) {

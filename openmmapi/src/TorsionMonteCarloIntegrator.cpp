@@ -27,6 +27,7 @@
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/Warnings.h"
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <sstream>
 
@@ -159,6 +160,11 @@ TorsionMonteCarloIntegrator::StericMode TorsionMonteCarloIntegrator::getStericMo
     return native->getStericMode();
 }
 
+bool TorsionMonteCarloIntegrator::displacesParticles() const
+{
+    return moves->displaceParticles();
+}
+
 bool TorsionMonteCarloIntegrator::hasSpheresOff() const
 {
     return (native ? native->getStericMode() : stericMode) == Off;
@@ -249,13 +255,28 @@ void TorsionMonteCarloIntegrator::setAdaptMoveSizes(bool adapt)
 
 double TorsionMonteCarloIntegrator::getMoveScale(int move) const
 {
-    return moves->get(move).move->getScale();
+    const vector<double>& scales = moves->get(move).move->getScales();
+    double sum = 0;
+    for (double scale : scales)
+        sum += log(scale);
+    return scales.size() == 1 ? scales[0] : exp(sum / scales.size());
 }
 
 void TorsionMonteCarloIntegrator::setMoveScale(int move, double scale)
 {
     ContextUse use(lock, ContextLock::User);
     moves->setScale(move, scale);
+}
+
+void TorsionMonteCarloIntegrator::getMoveScales(int move, vector<double>& scales) const
+{
+    scales = moves->get(move).move->getScales();
+}
+
+void TorsionMonteCarloIntegrator::setMoveScales(int move, const vector<double>& scales)
+{
+    ContextUse use(lock, ContextLock::User);
+    moves->setScales(move, scales);
 }
 
 /**
@@ -546,7 +567,7 @@ void TorsionMonteCarloIntegrator::restoreCheckpoint(CheckpointReader& reader, in
 {
     if (reader.readVector<int>() != force->describeStructure())
         fail("the checkpoint is of another structure: its bonds and torsions make other links, or only one of the two "
-             "uses periodic boundary conditions");
+             "uses periodic boundary conditions or has atom moves");
     const MoveList::Progress progress = moves->readCheckpoint(reader);
     OuterStatistics restoredTests;
     restoredTests.read(reader);

@@ -134,7 +134,8 @@ def test_defaultsAreThoseOfTheHeader(name):
             else:
                 declaration = rf"\b{method}\((?:[^;()]|\(\))*\b{parameter} = ([\w.:<>]+(?:\(\))?)"
                 expected = re.search(declaration, header)[1]
-            assert ast.unparse(default) == {"std::vector<int>()": "None"}.get(expected, expected), (method, parameter)
+            inPython = {"std::vector<int>()": "None", "true": "True"}.get(expected, expected)
+            assert ast.unparse(default) == inPython, (method, parameter)
 
 
 @pytest.mark.parametrize("name", _TUPLES)
@@ -157,9 +158,9 @@ def test_everyNumberHasItsUnit(name):
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
             # Weights, widths of logarithms, shares and factors are numbers without unit.
-            assert parameter in ("weight", "width", "hop", "scale", "maxChange") or _UNIT.search(description), (
-                f"{method}: {parameter}"
-            )
+            assert parameter in ("weight", "width", "hop", "scale", "scales", "maxChange") or _UNIT.search(
+                description
+            ), f"{method}: {parameter}"
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 

@@ -33,7 +33,8 @@ class TrialSession;
 
 /**
  * This Integrator samples molecules by Monte Carlo moves of torsions, ball joints and whole molecules. Bond lengths are
- * fixed, and so are bond angles except at ball joints. It works with the one StericExclusionForce of its System.
+ * fixed, and so are bond angles except at ball joints, unless there is an atom move; see addAtomMove(). It works with
+ * the one StericExclusionForce of its System.
  *
  * The sampled distribution is uniform in torsion angles, in the rotations of ball joints and in the placement of rigid
  * bodies, weighted by
@@ -119,7 +120,8 @@ class TrialSession;
  * Only getOuterStatistics() counts the trials that outer tests undid. If most are undone, reduce m or the sizes of
  * moves. A warning says so if 100 tests kept few trials.
  *
- * <b>Moves.</b> Add at least one by addTorsionMove(), addRigidBodyMove(), addClosedMove() or addLocalMove().
+ * <b>Moves.</b> Add at least one by addTorsionMove(), addRigidBodyMove(), addClosedMove(), addLocalMove() or another
+ * method whose name begins so.
  *
  * @code
  * TorsionMonteCarloIntegrator integrator(300);
@@ -278,7 +280,11 @@ public:
         /**
          * A move added by addGroupMove().
          */
-        GroupMove = 8
+        GroupMove = 8,
+        /**
+         * A move added by addAtomMove().
+         */
+        AtomMove = 9
     };
     /**
      * Who evaluates the energy of a Force for a trial.
@@ -401,6 +407,11 @@ public:
      * Get whether the steric mode is Off, or is Automatic and means Off in this integrator's Context.
      */
     bool hasSpheresOff() const;
+    /**
+     * Get whether there is an atom move, with any weight. In a Context that is made then, particles can be displaced
+     * within their links.
+     */
+    bool displacesParticles() const;
     /**
      * Get whether the energies of native Forces are evaluated by this library. The default is true.
      */
@@ -732,6 +743,45 @@ public:
     int addGroupMove(double weight, double maxTranslation, double maxAngle, double maxDistance,
                      const std::vector<int>& molecules = std::vector<int>());
     /**
+     * Add a move that displaces single particles, so that bond lengths, bond angles and all other internal coordinates
+     * change. Together with moves of torsions it samples exp(-U/kT) of all coordinates: the ensemble of dynamics
+     * without constraints. The Forces have to hold the particles together; a System made by ForceField.createSystem()
+     * needs constraints=None for this.
+     *
+     * A trial chooses one particle of the list, and shifts it by a vector that is uniform in a ball. Unless the
+     * particle is a hydrogen, those bonded to it are shifted as well. A hydrogen is a particle of less than 4.5 amu
+     * with a single bond in the StericExclusionForce. Hydrogens of the list have trials of their own. Virtual sites
+     * follow the particles that define them.
+     *
+     * All other moves keep bond lengths and angles as this move has left them, and torsions turn about the present
+     * lines between particles.
+     *
+     * Constraints of the System stay satisfied: particles joined by constraints move as one, and count as one particle
+     * of the list. So rigid water is translated, and a hydrogen with a constraint has no trials of its own. Particles
+     * of mass 0, and others in a rigid link with them, never move.
+     *
+     * Stiff particles need smaller trials than loose ones. Each class of trials, that is, of one mass that moves and
+     * one number of bonds that change, has a scale of its own, which adapts in equilibration; see setAdaptMoveSizes()
+     * and getMoveScales(). So add this move with a size that suits the loosest, such as 0.02 nm.
+     *
+     * Add the first such move before the Context is made. Only then are its links flexible: other Contexts are as fast
+     * as ever.
+     *
+     * It is an error, found when the Context is made, if the list names a fixed particle, one in a rigid link with a
+     * fixed particle, or a virtual site, or if constraints join particles of two links. A move that is added to a
+     * Context without atom moves is an error.
+     *
+     * @param weight           how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxDisplacement  the largest displacement, at least 0, in nm
+     * @param particles        the indices of the particles to choose from; if empty, all that can move in molecules
+     *                         with a particle that has a radius. In Python None means these, and an empty list is an
+     *                         error.
+     * @param withHydrogens    whether hydrogens follow the particle to which they are bonded
+     * @return the index of the move that was added
+     */
+    int addAtomMove(double weight, double maxDisplacement, const std::vector<int>& particles = std::vector<int>(),
+                    bool withHydrogens = true);
+    /**
      * Get the number of moves.
      */
     int getNumMoves() const;
@@ -851,6 +901,18 @@ public:
     void getGroupMoveParameters(int move, double& weight, double& maxTranslation, double& maxAngle, double& maxDistance,
                                 std::vector<int>& molecules) const;
     /**
+     * Get the parameters of a move that was added by addAtomMove(). It is an error if the move is of another kind.
+     *
+     * @param move                  the index of the move
+     * @param[out] weight           how often this move is drawn, relative to the weights of the others
+     * @param[out] maxDisplacement  the largest displacement, in nm
+     * @param[out] particles        the indices of the particles to choose from; empty (in Python None) if they are all
+     *                              that can move in molecules with a radius
+     * @param[out] withHydrogens    whether hydrogens follow the particle to which they are bonded
+     */
+    void getAtomMoveParameters(int move, double& weight, double& maxDisplacement, std::vector<int>& particles,
+                               bool& withHydrogens) const;
+    /**
      * Set the parameters of a move that was added by addTorsionMove(). It is an error if the move is of another kind.
      * The next trial follows them. The counts of the move restart from 0.
      *
@@ -969,6 +1031,20 @@ public:
     void setGroupMoveParameters(int move, double weight, double maxTranslation, double maxAngle, double maxDistance,
                                 const std::vector<int>& molecules = std::vector<int>());
     /**
+     * Set the parameters of a move that was added by addAtomMove(), which explains them. It is an error if the move is
+     * of another kind. The next trial follows them. The counts of the move restart from 0, and its scales from 1.
+     *
+     * @param move             the index of the move
+     * @param weight           how often this move is drawn, relative to the weights of the others, at least 0
+     * @param maxDisplacement  the largest displacement, at least 0, in nm
+     * @param particles        the indices of the particles to choose from; if empty, all that can move in molecules
+     *                         with a particle that has a radius. In Python None means these, and an empty list is an
+     *                         error.
+     * @param withHydrogens    whether hydrogens follow the particle to which they are bonded
+     */
+    void setAtomMoveParameters(int move, double weight, double maxDisplacement,
+                               const std::vector<int>& particles = std::vector<int>(), bool withHydrogens = true);
+    /**
      * Remove a move, and its counts. The indices of the moves after it become lower by one.
      *
      * @param move  the index of the move
@@ -1022,7 +1098,8 @@ public:
     void setAdaptMoveSizes(bool adapt);
     /**
      * Get the factor by which the sizes of a move are multiplied: 1 unless they have adapted, or setMoveScale() has set
-     * it. The present sizes are this times the parameters of the move: its maxAngle, maxTranslation or sigma.
+     * it. The present sizes are this times the parameters of the move: its maxAngle, maxTranslation or sigma. Of an
+     * atom move it is the geometric mean of getMoveScales().
      *
      * @param move  the index of the move
      */
@@ -1036,6 +1113,24 @@ public:
      * @param scale  the factor, above 0 and at most 1
      */
     void setMoveScale(int move, double scale);
+    /**
+     * Get the factors by which the sizes of the classes of a move are multiplied. Once there is a Context, an atom move
+     * has a class for each mass that it moves and each number of bonds that it changes by that, in ascending order of
+     * the mass, then of the number. All other moves have one class.
+     *
+     * @param move         the index of the move
+     * @param[out] scales  the factor of each class
+     */
+    void getMoveScales(int move, std::vector<double>& scales) const;
+    /**
+     * Set the factors of the classes of a move, for example to the result of getMoveScales() in another run. The counts
+     * of the move restart from 0. It is an error if the move has no size; and, at the latest when the Context is made,
+     * if it has another number of classes.
+     *
+     * @param move    the index of the move
+     * @param scales  the factor of each class, above 0 and at most 1
+     */
+    void setMoveScales(int move, const std::vector<double>& scales);
     /**
      * Get the values of all torsions. The same as StericExclusionForce::getTorsionAngles().
      *

@@ -30,7 +30,8 @@ public:
     void check(Scene& scene, const OpenMM::System& system) const;
     /**
      * Throw an exception if only damage can have made these positions from agreedPositions: if one number
-     * alone differs, or if some particles are where they were, but a link has another shape or a bond another length.
+     * alone differs, or if some particles are where they were, but a rigid link has another shape or a bond another
+     * length.
      * Returns whether they are the same but for periodic images.
      */
     bool checkPositions(const std::vector<OpenMM::Vec3>& positions, const BoxVectors& box, const OpenMM::System& system,

@@ -2,9 +2,11 @@
 #define OPENMM_LINKSTRUCTURE_H_
 
 #include "openmm/System.h"
+#include "openmmchaintree/internal/AtomGroups.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include <array>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -50,8 +52,10 @@ public:
      * particles of a torsion or ball joint are not bonded in a row, there are two joints about one bond, a joint lies
      * in a ring, there are fixed particles on both sides of a joint, a ball joint changes the dihedral of a torsion, or
      * a closure cannot be one.
+     *
+     * @param isFlexible  whether moves may displace particles within their links
      */
-    LinkStructure(const OpenMM::System& system, const StericExclusionForce& force);
+    LinkStructure(const OpenMM::System& system, const StericExclusionForce& force, bool isFlexible = false);
     ~LinkStructure();
     /**
      * All links, in the order of their lowest-numbered particles.
@@ -66,6 +70,20 @@ public:
     bool isPeriodic() const
     {
         return periodic;
+    }
+    /**
+     * Get whether moves may displace particles within their links.
+     */
+    bool isFlexible() const
+    {
+        return atomGroups != nullptr;
+    }
+    /**
+     * Get which particles such moves displace together. It is an error to ask unless isFlexible().
+     */
+    const AtomGroups& getAtomGroups() const
+    {
+        return *atomGroups;
     }
     /**
      * All molecules, in the order of their lowest-numbered particles.
@@ -196,6 +214,7 @@ private:
     void findClosures(const BondGraph& graph, const StericExclusionForce& force);
     std::vector<int> findRootward(int link) const;
     bool periodic;
+    std::shared_ptr<const AtomGroups> atomGroups;
     std::vector<Link> links;
     std::vector<Molecule> molecules;
     std::vector<int> particleLinks;

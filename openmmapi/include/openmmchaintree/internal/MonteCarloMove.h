@@ -56,6 +56,8 @@ public:
     bool mayBeLeast = true;
     /** Whether the scale of a move multiplies it. */
     bool isSize = false;
+    /** Whether it is 1 for yes or 0 for no. */
+    bool isFlag = false;
     /** The name of one of many values in XML, as "Torsion". */
     std::string element;
 };
@@ -94,6 +96,10 @@ public:
      * @param argument  the name of a parameter
      */
     static std::string findUnit(const std::string& method, const std::string& argument);
+    /**
+     * Get the name of a kind for messages, as "a torsion move" or "an atom move".
+     */
+    static std::string withArticle(const std::string& name);
     const std::string name, element;
     const TorsionMonteCarloIntegrator::MoveType type;
     const std::vector<MoveParameter> parameters;
@@ -163,35 +169,73 @@ public:
         return false;
     }
     /**
+     * Get whether trials displace particles within their links. The LinkStructure has to be flexible then.
+     */
+    virtual bool displacesParticles() const
+    {
+        return false;
+    }
+    /**
      * Get the work of the open trial, an energy in kJ/mol that decides about it together with the change of U. The
      * default is 0.
      */
     virtual double computeWork(TrialSession& trials);
     /**
-     * Get whether the trials of this move have a size, which setScale() scales.
+     * Get whether the trials of this move have a size, which a scale multiplies.
      */
     virtual bool hasSize() const
     {
         return false;
     }
     /**
-     * Get the factor by which trials are smaller than the parameters say. See setScale().
+     * Get whether trials have classes of different sizes.
      */
-    double getScale() const
+    bool hasSizeClasses() const
     {
-        return scale;
+        return hasClasses;
     }
     /**
-     * Make trials smaller than the parameters say.
-     *
-     * @param scale  a factor in (0, 1]
+     * Get the class of the last trial. Each class has a scale of its own, so that its size adapts to its own
+     * acceptance. The default is 0, for moves of a single class.
      */
-    void setScale(double scale)
+    virtual size_t getSizeClass() const
     {
-        this->scale = scale;
+        return 0;
+    }
+    /**
+     * Get the factor by which trials of a class are smaller than the parameters say.
+     */
+    double getScale(size_t sizeClass = 0) const
+    {
+        return scales[sizeClass];
+    }
+    /**
+     * Set the factor of a class, in (0, 1].
+     */
+    void setScale(size_t sizeClass, double scale)
+    {
+        scales[sizeClass] = scale;
+    }
+    /**
+     * Get or set the factors of all classes. A move that was never bound has a single one, or the ones that were set.
+     */
+    const std::vector<double>& getScales() const
+    {
+        return scales;
+    }
+    void setScales(const std::vector<double>& scales)
+    {
+        this->scales = scales;
     }
 
 protected:
+    /**
+     * Set the number of classes when the move is bound. Scales that are all equal are those of all classes; otherwise
+     * it is an error if their number is another.
+     *
+     * @param name  the name of this move in error messages
+     */
+    void setNumSizeClasses(size_t count, const std::string& name);
     /**
      * Draw the changes of a trial. This is in the innermost loop of sampling: it allocates no memory. Returns false if
      * the trial is impossible, for example because a window does not close.
@@ -203,7 +247,8 @@ protected:
 
 private:
     const MoveKind& kind;
-    double scale = 1;
+    std::vector<double> scales = {1};
+    bool hasClasses = false;
     /** The changes of the last trial. They stay allocated from trial to trial. */
     Proposal proposal;
 };

@@ -111,8 +111,24 @@ public:
 };
 
 /**
- * The indices of the joints or molecules that a move chooses from; the text says which these are if the list is empty.
- * The name is a plural, such as "ballJoints"; then an index is a BallJoint in XML.
+ * A choice between yes and no, which XML and checkpoints hold as 1 or 0.
+ */
+class Flag : public MoveParameter {
+public:
+    typedef bool Type;
+    Flag(const std::string& name, bool value, const std::string& text) : MoveParameter(name, (int)value, text)
+    {
+        isFlag = true;
+    }
+    static bool read(const OpenMM::SerializationNode& node, const std::string& name)
+    {
+        return node.getIntProperty(name) != 0;
+    }
+};
+
+/**
+ * The indices of the joints, particles or molecules that a move chooses from; the text says which these are if the list
+ * is empty. The name is a plural, such as "ballJoints"; then an index is a BallJoint in XML.
  */
 class Indices : public MoveParameter {
 public:

@@ -37,25 +37,31 @@ public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
         Counts counts;
-        SizeAdaptation adaptation;
+        /** The adaptation of each class of sizes; those of classes at the end that have had no trial are missing. */
+        std::vector<SizeAdaptation> adaptations;
         /**
-         * Adapt the size of the move to the result of a trial.
+         * Adapt the size of the move, for trials of the class of the last one, to the result of that trial.
          */
         void adaptSize(bool accepted)
         {
-            if (move->hasSize())
-                move->setScale(adaptation.countTrial(accepted, move->getScale()));
+            if (!move->hasSize())
+                return;
+            const size_t drawn = move->getSizeClass();
+            if (drawn >= adaptations.size())
+                adaptations.resize(drawn + 1);
+            move->setScale(drawn, adaptations[drawn].countTrial(accepted, move->getScale(drawn)));
         }
     };
     /**
-     * The counts of all moves, their scales, and the states of their adaptation.
+     * The counts of a move, and the scale and the state of the adaptation of each of its classes of sizes.
      */
-    class Progress {
+    class MoveProgress {
     public:
-        std::vector<Counts> statistics;
+        Counts counts;
         std::vector<double> scales;
         std::vector<SizeAdaptation::State> adaptations;
     };
+    typedef std::vector<MoveProgress> Progress;
     MoveList();
     int size() const
     {
@@ -102,6 +108,10 @@ public:
      */
     bool changeVolume() const;
     /**
+     * Get whether a move displaces particles within their links.
+     */
+    bool displaceParticles() const;
+    /**
      * Draw a move by its weight.
      *
      * @param weightSum  the result of sumWeights()
@@ -109,9 +119,13 @@ public:
     Entry& draw(double weightSum, RandomNumberGenerator& random);
     void resetStatistics();
     /**
-     * Set the scale of a move. Its counts start from 0. It is an error if it has no size.
+     * Set the scale of a move, for all classes of its sizes. Its counts start from 0. It is an error if it has no size.
      */
     void setScale(int index, double scale);
+    /**
+     * Set the scale of each class. While the move is bound, it is an error if it has another number of classes.
+     */
+    void setScales(int index, const std::vector<double>& scales);
     /**
      * Restart the adaptation of all sizes from their present scales.
      */
@@ -161,6 +175,7 @@ private:
     /** The kind, weight and parameters of a move, by name. */
     typedef std::vector<std::pair<std::string, std::string>> Description;
     static Description describe(const Entry& entry);
+    static std::vector<SizeAdaptation::State> getAdaptations(const Entry& entry);
     static void checkSame(int index, const Description& written, const Description& own);
     std::vector<Entry> entries;
     const LinkStructure* structure;

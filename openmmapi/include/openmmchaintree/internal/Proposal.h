@@ -7,8 +7,8 @@
 namespace ChainTreePlugin {
 
 /**
- * The changes of a trial, each of another torsion, ball joint or molecule of the LinkStructure; or the scaling of the
- * periodic box.
+ * The changes of a trial: each of another torsion, ball joint or molecule of the LinkStructure; or displacements, each
+ * of another particle; or the scaling of the periodic box. A trial is of one of these three.
  */
 class Proposal {
 public:
@@ -45,9 +45,21 @@ public:
         change.translation = translation;
         return *this;
     }
+    /** A particle, and by how much it moves in the world, in nm. */
+    struct Displacement {
+        int particle;
+        OpenMM::Vec3 shift;
+    };
     /**
-     * Multiply the vectors of the periodic box, and the centroid of each molecule, which moves as a rigid body. Such a
-     * proposal has no other changes.
+     * Displace a particle, which all others do not follow. This needs a flexible LinkStructure.
+     */
+    Proposal& addDisplacement(int particle, const OpenMM::Vec3& shift)
+    {
+        displacements.push_back({particle, shift});
+        return *this;
+    }
+    /**
+     * Multiply the vectors of the periodic box, and the centroid of each molecule, which moves as a rigid body.
      */
     Proposal& scaleBox(double factor)
     {
@@ -67,11 +79,16 @@ public:
     void clear()
     {
         changes.clear();
+        displacements.clear();
         boxFactor = 1;
     }
     const std::vector<Change>& getChanges() const
     {
         return changes;
+    }
+    const std::vector<Displacement>& getDisplacements() const
+    {
+        return displacements;
     }
 
 private:
@@ -86,6 +103,7 @@ private:
         return change;
     }
     std::vector<Change> changes;
+    std::vector<Displacement> displacements;
     double boxFactor = 1;
 };
 

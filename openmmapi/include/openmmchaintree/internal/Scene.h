@@ -232,6 +232,7 @@ private:
         bool isInOther = false;
     };
     bool proposeScaled(double factor);
+    void proposeDisplacements(const std::vector<Proposal::Displacement>& proposed);
     void exchangeTrees();
     bool testScaled();
     const std::vector<OpenMM::Vec3>& getScaledPositions();
@@ -260,6 +261,7 @@ private:
     SavedState saved;
     /** The changes of a trial in the engine's form. They stay allocated from trial to trial. */
     std::vector<ctChange> changes;
+    std::vector<ctDisplacement> displacements;
     /** The last result of followTrial() or followState(); empty if it was of another tree. */
     std::vector<OpenMM::Vec3> followed;
     /** The pairs of the last getNeighborPairs(). They stay allocated, since the next list is about as long. */

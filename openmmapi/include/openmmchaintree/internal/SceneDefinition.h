@@ -44,6 +44,8 @@ public:
     std::vector<uint8_t> listed;
     /** Whether images in the box count. Without it, the box is not read. */
     bool isPeriodic;
+    /** Whether trials may displace particles within their links. */
+    bool isFlexible;
     BoxVectors box;
     std::vector<int> torsionLinks, ballJointLinks, moleculeRoots;
 

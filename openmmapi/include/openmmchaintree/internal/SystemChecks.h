@@ -72,6 +72,12 @@ bool hasDynamics(const OpenMM::Integrator& integrator);
 bool hasSilentSteps(const OpenMM::Integrator& integrator);
 
 /**
+ * Get whether a TorsionMonteCarloIntegrator, or one in a CompoundIntegrator, has a move that displaces particles within
+ * their links.
+ */
+bool displacesParticles(const OpenMM::Integrator& integrator);
+
+/**
  * Get whether a TorsionMonteCarloIntegrator, or one in a CompoundIntegrator, has the steric mode Off in its Context.
  */
 bool hasSpheresOff(const OpenMM::Integrator& integrator);

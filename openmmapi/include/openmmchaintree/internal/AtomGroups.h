@@ -1,0 +1,86 @@
+#ifndef OPENMM_CHAINTREE_ATOMGROUPS_H_
+#define OPENMM_CHAINTREE_ATOMGROUPS_H_
+
+#include "openmm/System.h"
+#include "openmmchaintree/internal/VirtualPlace.h"
+#include "openmmchaintree/internal/windowsExportChainTree.h"
+#include "openmmchaintree/StericExclusionForce.h"
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace ChainTreePlugin {
+
+class LinkStructure;
+
+/**
+ * Which particles an atom move displaces together, from the masses, constraints and virtual sites of a System and the
+ * bonds of a StericExclusionForce.
+ *
+ * Particles that constraints join, directly or in a row, are a unit: they move as one. A hydrogen is a particle of less
+ * than 4.5 amu with a single bond; its mass may have been repartitioned. A virtual site follows the particles that
+ * define it. Particles in a link with a fixed particle do not move.
+ */
+class OPENMM_EXPORT_CHAINTREE AtomGroups {
+public:
+    AtomGroups(const OpenMM::System& system, const StericExclusionForce& force, const LinkStructure& structure);
+    ~AtomGroups();
+    AtomGroups(const AtomGroups&) = delete;
+    AtomGroups& operator=(const AtomGroups&) = delete;
+    /** Particles that are displaced together. */
+    class Group {
+    public:
+        /** The particles that move by one shift. */
+        std::vector<int> particles;
+        /** The virtual sites that the others of their particles move by another shift, by their places. */
+        std::vector<const VirtualPlace*> sites;
+        /** The mass in amu, rounded, and the number of bonds to other particles: groups that are equal in both are
+         *  about equally stiff. */
+        std::pair<int, int> stiffness;
+    };
+    /**
+     * Get one particle of each unit that an atom move chooses from by default: all that can move, in molecules with a
+     * particle that has a radius. The lowest of each unit comes first.
+     */
+    std::vector<int> findDefaults() const;
+    /**
+     * Get a number that the particles of a unit share.
+     */
+    int getUnit(int particle) const
+    {
+        return units[particle];
+    }
+    /**
+     * Get what moves with a particle: its unit and, unless this is a hydrogen, the hydrogens that are bonded to it.
+     * Throws an exception if the particle cannot move.
+     *
+     * @param withHydrogens  whether hydrogens follow
+     * @param name           the name of the move in error messages
+     */
+    Group makeGroup(int particle, bool withHydrogens, const std::string& name) const;
+
+private:
+    void joinUnits(const OpenMM::System& system);
+    bool isHydrogen(int particle) const;
+    void checkUnit(int unit, const std::string& name) const;
+    void addSites(Group& group, const std::string& name) const;
+    void describe(Group& group) const;
+    std::vector<double> masses;
+    std::vector<int> links;
+    /** Whether each particle is in a link with a fixed particle; and whether it is in a molecule with a radius. */
+    std::vector<bool> isFixed, isModelled;
+    /** The particles bonded to each, by the bonds of the force and of its closures, without virtual sites. */
+    std::vector<std::vector<int>> neighbors;
+    /** The unit of each particle, its particles, and the constraints. */
+    std::vector<int> units;
+    std::vector<std::vector<int>> members;
+    std::vector<std::pair<int, int>> constraints;
+    /** The virtual sites, and for each particle those that it is or defines. */
+    std::vector<VirtualPlace> sites;
+    std::vector<const VirtualPlace*> siteOf;
+    std::vector<std::vector<const VirtualPlace*>> sitesBy;
+};
+
+} // namespace ChainTreePlugin
+
+#endif /*OPENMM_CHAINTREE_ATOMGROUPS_H_*/
