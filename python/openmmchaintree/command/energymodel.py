@@ -42,6 +42,8 @@ class EnergyModel:
         whether openmm-chaintree evaluates the Forces that it can
     steric : str or None
         OFF or HARD; None: the default for the force field
+    isFlexible : bool
+        whether bond lengths and angles change
     """
 
     def __init__(
@@ -54,6 +56,7 @@ class EnergyModel:
         someAreLeftOut=False,
         areNative=True,
         steric=None,
+        isFlexible=False,
     ):
         """Read the files. Errors give other advice if hydrogens are added already, or if atoms are omitted.
 
@@ -68,6 +71,7 @@ class EnergyModel:
         self.trialsPerOuterTest = trialsPerOuterTest
         self.areNative = areNative
         self.steric = steric
+        self.isFlexible = isFlexible
         self._done = hydrogensAreAdded, someAreLeftOut
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):
@@ -79,7 +83,8 @@ class EnergyModel:
 
     def __str__(self):
         cutoff = "no cutoff" if self.cutoff is None else f"pairs up to {self.cutoff:g} nm"
-        return f"{', '.join(self.files)} at {self.temperature:g} K, {cutoff}"
+        flexible = ", flexible" if self.isFlexible else ""
+        return f"{', '.join(self.files)} at {self.temperature:g} K, {cutoff}{flexible}"
 
     def makeSystem(self, structure):
         """Make the System of a Structure; return it with a list of Note.

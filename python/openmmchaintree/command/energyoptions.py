@@ -2,11 +2,19 @@
 
 from .arguments import numberIn, positive, refuseWithout
 from .energymodel import HARD, OFF, EnergyModel
+from .flexible import ATOM_SHARE
 
 _TEMPERATURE = 300.0  # K
 _PH = 7.0
 
-_NEED_FORCE_FIELD = ("temperature", "nonbonded_cutoff", "steric", "trials_per_outer_test", "no_native_energies")
+_NEED_FORCE_FIELD = (
+    "temperature",
+    "nonbonded_cutoff",
+    "steric",
+    "trials_per_outer_test",
+    "no_native_energies",
+    "flexible",
+)
 
 
 def addEnergyOptions(parser):
@@ -48,6 +56,12 @@ def addEnergyOptions(parser):
         action="store_true",
         help="let OpenMM evaluate every force in each trial, which is much slower",
     )
+    parser.add_argument(
+        "--flexible",
+        action="store_true",
+        help="in a force field, also displace single atoms, so that bond lengths and angles change as in dynamics "
+        f"(a share of {ATOM_SHARE:g} of the trials; default: they keep their initial values)",
+    )
     parser.add_argument("--add-hydrogens", action="store_true", help="add missing hydrogens")
     parser.add_argument(
         "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
@@ -81,5 +95,6 @@ def readEnergyOptions(options):
         options.leave_out is not None,
         not options.no_native_energies,
         options.steric,
+        options.flexible,
     )
     return model, pH

@@ -51,6 +51,7 @@ class Choice(NamedTuple):
     hasEnergies : bool, whether energies are sampled
     unknownRadius : float or None, nm, for atoms of elements without a known radius
     periodic : bool, whether pairs count in all images of the structure's box
+    isFlexible : bool, whether bond lengths and angles change
     """
 
     kinds: tuple[str, ...] | None = None
@@ -64,6 +65,7 @@ class Choice(NamedTuple):
     hasEnergies: bool = False
     unknownRadius: float | None = None
     periodic: bool = False
+    isFlexible: bool = False
 
     def withDefaults(self):
         """Return a Choice with defaults in place of None."""
@@ -111,7 +113,7 @@ class Plan:
     closed : list of (str, str)
         pairs of residues whose bonds are kept by closed moves
     rigid : str or None
-        a description of rigid parts, if energies are sampled
+        a description of rigid parts, if energies are sampled and bond lengths and angles keep their values
     notes : list of Note
         on bonds, and on omitted torsions and the reasons
     """
@@ -156,7 +158,11 @@ class Plan:
         roots, isLarge = links.roots(self.fixedAtoms, backbones)
         isRoot[roots] = True
         self.stays = isRoot[links.ofAtom] & ~self.isRigidBody[self.molecules]
-        self.fixed = self.stays & (isLarge | ~self.isTurning)[self.molecules]
+        isHeld = isLarge
+        if choice.isFlexible:  # rigid parts that nobody fixes move atom by atom
+            isHeld = np.zeros_like(isLarge)
+            isHeld[self.molecules[self.fixedAtoms]] = True
+        self.fixed = self.stays & (isHeld | ~self.isTurning)[self.molecules]
         self.inMovingMolecules = (self.isTurning | self.isRigidBody)[self.molecules]
         _, firstAtoms = np.unique(self.molecules, return_index=True)
         self.rigidBodies = firstAtoms[self.isRigidBody].tolist()
@@ -165,7 +171,8 @@ class Plan:
         closing = [closure[1:3] for closure in graph.closures]
         mayClose = choice.close if isCloseChosen else closing
         self.closed = self._describeCuts(mayClose, closing, f"bond to close ({', '.join(choice.close)})")
-        self.rigid = _describeRigidParts(graph, self.torsions, self.fixedAtoms) if choice.hasEnergies else None
+        hasRigidParts = choice.hasEnergies and not choice.isFlexible
+        self.rigid = _describeRigidParts(graph, self.torsions, self.fixedAtoms) if hasRigidParts else None
         self._checkUnbonded()
 
     def _moleculesWith(self, torsions):

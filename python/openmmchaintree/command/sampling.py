@@ -20,6 +20,7 @@ from ..sterics import makeForce
 from . import allpairs
 from .energies import Energies
 from .energymodel import HARD, OFF, repeatablePlatform
+from .flexible import addAtomMove, findScales
 from .geometry import BondLengths, dihedrals, radiusOfGyration
 from .plan import Choice, Plan
 from .reports.energyreport import summarizeEnergies
@@ -95,6 +96,8 @@ class Sampling:
         wall-clock time spent in the integrator
     energies : Energies or None
         the parts of U; None for hard spheres alone
+    isFlexible : bool
+        whether bond lengths and angles change
     """
 
     def __init__(self, structure, seed, choice=Choice(), energyModel=None):  # noqa: B008 (a tuple)
@@ -150,6 +153,12 @@ class Sampling:
                 isOff = energyModel.steric == OFF
                 self.integrator.setStericMode(self.integrator.Off if isOff else self.integrator.Hard)
         platform = (openmm.Platform.getPlatformByName("Reference"),) if energyModel is None else repeatablePlatform()
+        self.isFlexible = energyModel is not None and energyModel.isFlexible
+        if self.isFlexible:
+            self.moves.append(addAtomMove(self.integrator, self.moves))
+            if energyModel.areNative:  # else it would take minutes
+                scales = findScales(self.integrator, system, structure.positions, platform)
+                self.integrator.setMoveScales(len(self.moves) - 1, scales)
         self.context = openmm.Context(system, self.integrator, *platform)
         self.context.setPositions(structure.positions)
         self.energies = None if energyModel is None else Energies(energyModel, self.integrator, self.context)

@@ -5,7 +5,7 @@ import numpy as np
 from ...notes import countOf
 from ...openmmchaintree import MoveStatistics
 from ..energymodel import HARD
-from .samplereport import describeMove, describeScene, describeVerdict, printMoves, printScene
+from .samplereport import describeBondChange, describeMove, describeScene, describeVerdict, printMoves, printScene
 from .tables import makeTable, percent
 
 
@@ -168,10 +168,11 @@ def _printEnds(summary, console):
         clashes = f"{beyond} beyond their limit" if beyond else "none beyond its limit"
     else:
         clashes = f"{max(end['clashesAtEnd'] for end in ends)} at most overlap by more than hard spheres may"
-    change = max(end["largestBondChange"] for end in ends)
+    changes = [end["largestBondChange"] for end in ends]
     console.print(
         f"last positions of all replicas, all pairs compared: {clashes} "
-        f"({summary['clashesAtStart']} clashed at the start); largest change of a bond's length: {change:.1g} nm"
+        f"({summary['clashesAtStart']} clashed at the start)"
+        f"{describeBondChange(None if None in changes else max(changes))}"
     )
     for end in ends:
         for pair in end["pairsBeyondLimit"]:

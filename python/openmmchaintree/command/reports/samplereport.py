@@ -64,8 +64,10 @@ def describeScene(sampling, addedHydrogens):
 
 def describeVerdict(sampling):
     """Compare all pairs and bonds at the Context's positions with the start; return the results."""
-    bonds = sampling.checkBonds(sampling.positions())
     names = [str(nameAtom(atom)) for atom in sampling.structure.topology.atoms()]
+    if sampling.isFlexible:
+        return {**_describeOverlaps(sampling, names), "largestBondChange": None, "changedBonds": []}
+    bonds = sampling.checkBonds(sampling.positions())
     return {
         **_describeOverlaps(sampling, names),
         "largestBondChange": bonds.largestChange,
@@ -165,6 +167,11 @@ def _moveTable(moves):
     return table
 
 
+def describeBondChange(change):
+    """Return the end of a sentence on the largest change of a bond's length in nm; None: they are flexible."""
+    return "" if change is None else f"; largest change of a bond's length: {change:.1g} nm"
+
+
 def _printVerdict(summary, console):
     tolerated, beyond, bonds = summary["toleratedPairs"], summary["pairsBeyondLimit"], summary["changedBonds"]
     if summary["stericMode"] == HARD:
@@ -175,10 +182,7 @@ def _printVerdict(summary, console):
             f"{summary['clashesAtEnd']} overlap by more than hard spheres may ({summary['clashesAtStart']} at the "
             "start), which trials ignore"
         )
-    console.print(
-        f"last positions, all pairs compared: {overlaps}; largest change of a bond's length: "
-        f"{summary['largestBondChange']:.1g} nm"
-    )
+    console.print(f"last positions, all pairs compared: {overlaps}{describeBondChange(summary['largestBondChange'])}")
     if summary["forbiddenBySpheres"] is not None:
         console.print(f"hard spheres: {summary['forbiddenBySpheres']['text']}")
     for pair in beyond:
