@@ -242,7 +242,7 @@ static void testModels(void) {
   born.neckTypeCount = 0;
   born.isRescaled = false;
   born.isFilled = true;
-  born.kappa = 1;
+  born.kappa = 5;
   testChanges(false);
   born = bornOfBeads;
   born.neckCut = 0.6;
