@@ -178,13 +178,13 @@ class Protein:
         isWanted = [(torsion.kind in _BACKBONE_KINDS) == (which == BACKBONE) for torsion in self.torsions]
         return np.flatnonzero(isWanted).tolist()
 
-    def makeSystem(self, method, sterics=True):
-        """Make the System of a Method, with or without hard spheres."""
+    def makeSystem(self, method, sterics=True, constraints=None):
+        """Make the System of a Method, with or without hard spheres, and with OpenMM's constraints."""
         nonbonded = {"nonbondedMethod": app.NoCutoff}
         if method.cutoff is not None:
             nonbonded = {"nonbondedMethod": app.CutoffNonPeriodic, "nonbondedCutoff": method.cutoff * unit.nanometer}
         files = [] if method.solvent is None else [method.solvent]
-        system = _readForceField(*files).createSystem(self.topology, **nonbonded)
+        system = _readForceField(*files).createSystem(self.topology, constraints=constraints, **nonbonded)
         if sterics:
             system.addForce(self.makeForce())
         return system
