@@ -136,6 +136,7 @@ def test_command(runHere, tmp_path):
     )
     assert result.returncode == 0, result.stderr
     assert "at 300 K, no cutoff, flexible" in result.stdout
+    assert "flexible: all atoms of what moves are also displaced" in result.stdout
     assert "rigid:" not in result.stdout and "change of a bond" not in result.stdout
     summary = json.loads((tmp_path / "summary.json").read_text())
     atoms = summary["moves"][-1]

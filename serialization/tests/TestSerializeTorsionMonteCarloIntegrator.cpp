@@ -43,6 +43,9 @@ void setUp(TorsionMonteCarloIntegrator& integrator)
     integrator.addLocalMove(0.75, 1.0 / 9, 1.0 / 11, {3, 4}, 5);
     integrator.addPivotMove(0.7, 0.1 / 3, {5, 3});
     integrator.addPivotMove(0, M_PI);
+    integrator.addAtomMove(1.5, 0.1 / 3, {7, 0}, false);
+    integrator.setMoveScales(8, {0.1, 1.0 / 3});
+    integrator.addAtomMove(0.5, 0.02);
 }
 
 void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionMonteCarloIntegrator& found)
@@ -70,6 +73,16 @@ void assertSameMoves(const TorsionMonteCarloIntegrator& expected, const TorsionM
             found.getLocalMoveParameters(i, weight2, angle2, stiffness2, choices2, count2);
             ASSERT_EQUAL(stiffness1, stiffness2);
             ASSERT_EQUAL(count1, count2);
+        }
+        else if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::AtomMove) {
+            bool withHydrogens1, withHydrogens2;
+            vector<double> scales1, scales2;
+            expected.getAtomMoveParameters(i, weight1, angle1, choices1, withHydrogens1);
+            found.getAtomMoveParameters(i, weight2, angle2, choices2, withHydrogens2);
+            expected.getMoveScales(i, scales1);
+            found.getMoveScales(i, scales2);
+            ASSERT_EQUAL(withHydrogens1, withHydrogens2);
+            ASSERT_EQUAL_CONTAINERS(scales1, scales2);
         }
         else if (expected.getMoveType(i) == TorsionMonteCarloIntegrator::PivotMove) {
             expected.getPivotMoveParameters(i, weight1, angle1, choices1);

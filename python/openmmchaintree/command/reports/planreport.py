@@ -17,11 +17,13 @@ _LONGEST_LIST = 5
 def describePlan(plan):
     """Return lines on a Plan: moving parts; fixed parts, with reasons; roots of moving molecules; cut bonds.
 
-    If energies are sampled, another line lists the rigid parts.
+    If energies are sampled, another line lists the rigid parts, or says that molecules are flexible.
     """
     lines = _Describer(plan).lines()
     if plan.rigid is not None:
         lines.append(f"rigid: {plan.rigid}")
+    if plan.choice.isFlexible:
+        lines.append("flexible: all atoms of what moves are also displaced one by one, unless --fix selects them")
     for what, bonds in (
         ("cut disulfides", plan.cutDisulfides),
         ("cut bonds of metals", plan.cutMetals),
