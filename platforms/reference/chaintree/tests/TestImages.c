@@ -254,7 +254,7 @@ static void drawTrial(const Scene* scene, const double (*box)[3], Trial* trial) 
   trial->count = 0;
   trial->displacementCount = 0;
   if (areFlexible && drawn() < 0.5) {
-    trial->displacementCount = drawDisplacements(box, trial->displacements);
+    trial->displacementCount = drawDisplacements(box, 3, trial->displacements);
     return;
   }
   trial->count = 1 + (drawn() < 0.3);
@@ -467,7 +467,7 @@ static void testDrift(const double (*box)[3]) {
       change[1].pivot[d] += away[change[0].link][d];
     }
     ctDisplacement displacements[MOST_DISPLACED];
-    const int displaced = areFlexible && t % 2 == 1 ? drawDisplacements(box, displacements) : 0;
+    const int displaced = areFlexible && t % 2 == 1 ? drawDisplacements(box, 3, displacements) : 0;
     bool clash[2];
     ctChainTree* const both[2] = {near, far};
     for (int k = 0; k < 2; k++) {

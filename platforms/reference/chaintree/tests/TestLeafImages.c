@@ -204,7 +204,10 @@ static void testBox(const double (*box)[3], int trialCount, Tally* ofStates, Tal
       CHECK_SUCCESS(ctGetLeafPairs(tree, cutoff, &count, &pairs, NULL));
       checkList(box, cutoff, &bodies, leafCount, before, before, count, pairs, ofStates);
     }
-    CHECK_SUCCESS(ctPropose(tree, changeCount, changes));
+    ctDisplacement displacements[MOST_DISPLACED];
+    const int displaced = areFlexible && t % 2 == 1 ? drawDisplacements(box, 0, displacements) : 0;
+    CHECK_SUCCESS(displaced > 0 ? ctProposeDisplacements(tree, displaced, displacements)
+                                : ctPropose(tree, changeCount, changes));
     CHECK_SUCCESS(ctGetChangedLeafPairs(tree, cutoff, &count, &pairs, &positions, NULL));
     bodies.pieceCount = ctGetTrialPieces(tree, &bodies.pieces, &bodies.motions);
     leaves = ctGetLeaves(tree);
@@ -359,12 +362,13 @@ int main(int argumentCount, char** arguments) {
   testRefusals();
   testRod();
   state = argumentCount > 2 ? (uint32_t)strtoul(arguments[2], NULL, 10) : 1;
-  for (int box = 0; box < BOXES; box++) {
+  for (int box = 0; box < 2 * BOXES; box++) {
     const long before[2] = {ofStates.withImage, ofTrials.withImage};
-    testBox(boxes[box], trialCount, &ofStates, &ofTrials);
+    areFlexible = box >= BOXES;
+    testBox(boxes[box % BOXES], trialCount, &ofStates, &ofTrials);
     CHECK(ofStates.withImage > before[0] && ofTrials.withImage > before[1]);
   }
   printf("%ld pairs in states, %ld with images; %ld in %d trials, %ld with images\n", ofStates.pairs,
-         ofStates.withImage, ofTrials.pairs, BOXES * trialCount, ofTrials.withImage);
+         ofStates.withImage, ofTrials.pairs, 2 * BOXES * trialCount, ofTrials.withImage);
   return checkResult();
 }

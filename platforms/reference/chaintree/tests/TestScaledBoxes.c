@@ -43,7 +43,7 @@ static void shake(const Scene* scene, ctChainTree* tree, const double (*box)[3])
     CHECK_SUCCESS(ctAccept(tree, NULL));
     ctDisplacement displacements[MOST_DISPLACED];
     if (areFlexible) {
-      CHECK_SUCCESS(ctProposeDisplacements(tree, drawDisplacements(box, displacements), displacements));
+      CHECK_SUCCESS(ctProposeDisplacements(tree, drawDisplacements(box, 3, displacements), displacements));
       CHECK_SUCCESS(ctAccept(tree, NULL));
     }
   }

@@ -91,13 +91,13 @@ static inline ctChainTree* makeScene(Scene* scene, const double (*box)[3], doubl
 
 enum { MOST_DISPLACED = 4 };
 
-/* Draws displacements of one to four particles, often by one shift, now and then into another image. */
-static inline int drawDisplacements(const double (*box)[3], ctDisplacement* displacements) {
+/* Draws displacements of one to four particles, often by one shift, now and then by up to `mostAway` box vectors. */
+static inline int drawDisplacements(const double (*box)[3], int mostAway, ctDisplacement* displacements) {
   const int count = 1 + (int)(drawn() * MOST_DISPLACED);
   const int first = (int)(drawn() * PARTICLES);
   const int step = drawn() < 0.5 ? 1 : 17;
   const double most = drawn() < 0.7 ? 0.1 : 1;
-  const int away = drawn() < 0.1 ? (int)drawnBetween(-3, 4) : 0;
+  const int away = drawn() < 0.1 ? (int)drawnBetween(-mostAway, mostAway + 1) : 0;
   for (int n = 0; n < count; n++) {
     const bool isAsBefore = drawn() < 0.4;
     displacements[n].particle = (first + n * step) % PARTICLES;
