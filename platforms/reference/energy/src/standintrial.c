@@ -152,14 +152,33 @@ static ctStatus stage(StandIn* standIn, bool near) {
   return ctSuccess;
 }
 
+/* Computes the energy of a pair with the radii of the state. */
+static void computePairs(StandIn* standIn, StagedPair* staged, const NearRows* rows) {
+  PairFrames frames;
+  findFrames(standIn, staged, true, &frames);
+  const PlacedLeaf a = ctStandInPlace(standIn, staged->a, frames.a);
+  const PlacedLeaf b = ctStandInPlace(standIn, staged->b, frames.b);
+  ctStandInComputePairs(standIn, &a, &b, rows, &staged->after);
+}
+
+/* kJ/mol. The rounding of a larger change, which a clash makes, would stay in the record. */
+#define MOST_CHANGE 1e3
+
 /* Changes the energy of a pair by what displaced particles change, with the radii of the state. */
 static void movePairs(StandIn* standIn, StagedPair* staged) {
-  copyPairs(recordOf(standIn, staged), &staged->after);
+  const PairRecord* before = recordOf(standIn, staged);
+  copyPairs(before, &staged->after);
   staged->after.moves++;
-  if (havePairs(&staged->rows)) {
-    PairFrames frames[2];
-    findBothFrames(standIn, staged, frames);
-    ctStandInMovePairs(standIn, staged->a, staged->b, frames, &staged->rows, &staged->after);
+  if (!havePairs(&staged->rows)) {
+    return;
+  }
+  PairFrames frames[2];
+  findBothFrames(standIn, staged, frames);
+  ctStandInMovePairs(standIn, staged->a, staged->b, frames, &staged->rows, &staged->after);
+  if (!(fabs(staged->after.energy - before->energy) < MOST_CHANGE)) {
+    NearRows rows;
+    standIn->leaves->wide->nearRows(&standIn->model, frames->a, frames->b, &rows);
+    computePairs(standIn, staged, &rows);
   }
 }
 
@@ -178,11 +197,7 @@ ctStatus ctStandInNearChange(StandIn* standIn, double* change) {
     if (staged->isMove) {
       movePairs(standIn, staged);
     } else {
-      PairFrames frames;
-      findFrames(standIn, staged, true, &frames);
-      const PlacedLeaf a = ctStandInPlace(standIn, staged->a, frames.a);
-      const PlacedLeaf b = ctStandInPlace(standIn, staged->b, frames.b);
-      ctStandInComputePairs(standIn, &a, &b, &staged->rows, &staged->after);
+      computePairs(standIn, staged, &staged->rows);
     }
     staged->isOpen = false;
     *change += staged->after.energy - recordOf(standIn, staged)->energy;

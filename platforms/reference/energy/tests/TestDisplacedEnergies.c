@@ -231,6 +231,30 @@ static void testOtherScene(void) {
   destroyBench(&other);
 }
 
+/* A particle that is displaced onto others, one after another, and back leaves nothing of the large energies. */
+static void testClashes(void) {
+  Bench bench = makeFolded();
+  const double before = total(&bench);
+  for (int i = 0; i < 60; i++) {
+    const int bead = 10 * i + 3;
+    double pair[6];
+    CHECK(ctGetPositionsOf(bench.tree, false, 2, (const int[]){bead, bead + 3 + i % 3}, pair) == ctSuccess);
+    ctDisplacement displacement = {bead, {0, 0, 0}};
+    for (int way = 1; way >= -1; way -= 2) {
+      double change;
+      for (int d = 0; d < 3; d++) {
+        displacement.shift[d] = way * 0.995 * (pair[3 + d] - pair[d]);
+      }
+      CHECK(ctProposeDisplacements(bench.tree, 1, &displacement) == ctSuccess);
+      CHECK(computeChange(&bench, &change) == ctSuccess);
+      CHECK(fabs(change) > 1e4);
+      accept(&bench);
+    }
+    CHECK_NEAR(total(&bench), before, tolerance);
+  }
+  destroyBench(&bench);
+}
+
 /* ---- Other models ---- */
 
 /* Salt, spheres within others, neither necks nor rescaled radii; and necks of all pairs within the cutoff. */
@@ -283,6 +307,7 @@ int main(void) {
   testChanges(false);
   testBits();
   testOtherScene();
+  testClashes();
   testModels();
   testSmallBox();
   return checkResult();
