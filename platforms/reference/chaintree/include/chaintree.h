@@ -22,7 +22,8 @@
  * particle becomes its place in its link as that stood at first. A torsion turns about the line between its two axis
  * particles wherever they are, and a ball joint about its particle. So the state of every joint is a placement: the
  * rotation of its link since the reference positions and the link's origin, in the parent's frame. Each turn rounds
- * them, by some 1e-16 of their size.
+ * them, by some 1e-16 of their size, so that errors grow about as in a random walk: distances at torsions of 0.15 nm
+ * had drifted by 4e-13 nm after 1e8 trials of TestDrift.
  *
  * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
  * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, is merged with
