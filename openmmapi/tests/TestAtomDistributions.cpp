@@ -262,6 +262,88 @@ static void testMixtures(Platform& platform)
 }
 
 /**
+ * Sample a ring of beads by atom moves: alone, when the ring is one link, or beside closed moves, when a closure closes
+ * it. Returns the means of squared lengths, angles, cosines of twice the dihedrals and the squared radius of gyration,
+ * and the squares of their standard errors.
+ */
+static array<array<double, 4>, 2> sampleRing(Platform& platform, bool isClosed)
+{
+    const int length = 12, numBlocks = 40, blockSize = 500;
+    System system;
+    StericExclusionForce* force = new StericExclusionForce();
+    HarmonicBondForce* bonds = new HarmonicBondForce();
+    HarmonicAngleForce* angles = new HarmonicAngleForce();
+    PeriodicTorsionForce* torsions = new PeriodicTorsionForce();
+    vector<Vec3> positions;
+    for (int i = 0; i < length; i++) {
+        const int j = (i + 1) % length, k = (i + 2) % length, l = (i + 3) % length;
+        const double turn = 2 * M_PI * i / length, radius = 0.5 * LENGTH / sin(M_PI / length);
+        system.addParticle(12);
+        force->addParticle(0.01);
+        positions.push_back(Vec3(radius * cos(turn), radius * sin(turn), i % 2 == 0 ? 0.03 : -0.03));
+        bonds->addBond(i, j, LENGTH, BOND_CONSTANT);
+        angles->addAngle(i, j, k, ANGLE, ANGLE_CONSTANT);
+        torsions->addTorsion(i, j, k, l, 2, PHASE, 1);
+        if (i + 1 < length || !isClosed)
+            force->addBond(i, j);
+        if (i + 3 < length && isClosed)
+            force->addTorsion(i, j, k, l);
+    }
+    if (isClosed)
+        force->addClosure(length - 2, length - 1, 0, 1);
+    for (Force* one : {(Force*)force, (Force*)bonds, (Force*)angles, (Force*)torsions})
+        system.addForce(one);
+    TorsionMonteCarloIntegrator integrator(300);
+    integrator.setStericMode(TorsionMonteCarloIntegrator::Off);
+    integrator.setRandomNumberSeed(6);
+    integrator.setTrialsPerStep(isClosed ? 6 * length : 12 * length);
+    integrator.addAtomMove(1, 0.05);
+    if (isClosed)
+        integrator.addClosedMove(0.5, 0.4, {}, 0.3);
+    Context context(system, integrator, platform);
+    context.setPositions(positions);
+    integrator.step(500);
+    if (isClosed)
+        ASSERT(countAccepted(integrator, 1) > 100);
+    array<array<double, 4>, 2> results = {};
+    array<double, 4> squares = {};
+    for (int block = 0; block < numBlocks; block++) {
+        array<double, 4> means = {};
+        for (int i = 0; i < blockSize; i++) {
+            integrator.step(1);
+            vector<Vec3> x = getPositions(context);
+            Vec3 middle;
+            for (const Vec3& bead : x)
+                middle += bead / length;
+            for (int j = 0; j < length; j++)
+                means[3] += (x[j] - middle).dot(x[j] - middle);
+            x.insert(x.end(), x.begin(), x.begin() + 3);
+            for (int j = 0; j < length; j++) {
+                const Vec3 bond = x[j + 1] - x[j], next = x[j + 2] - x[j + 1];
+                means[0] += bond.dot(bond);
+                means[1] += acos(-bond.dot(next) / sqrt(bond.dot(bond) * next.dot(next)));
+                means[2] += cos(2 * getDihedral(x[j], x[j + 1], x[j + 2], x[j + 3]));
+            }
+        }
+        for (int k = 0; k < 4; k++) {
+            const double mean = means[k] / length / blockSize;
+            results[0][k] += mean / numBlocks;
+            squares[k] += mean * mean / numBlocks;
+        }
+    }
+    for (int k = 0; k < 4; k++)
+        results[1][k] = (squares[k] - results[0][k] * results[0][k]) / (numBlocks - 1);
+    return results;
+}
+
+static void testRings(Platform& platform)
+{
+    const auto alone = sampleRing(platform, false), closed = sampleRing(platform, true);
+    for (int k = 0; k < 4; k++)
+        ASSERT(fabs(alone[0][k] - closed[0][k]) < MOST_ERRORS * sqrt(alone[1][k] + closed[1][k]));
+}
+
+/**
  * Dynamics in turn with all of them samples the same.
  */
 static void testDynamicsInTurn(Platform& platform)
@@ -344,6 +426,7 @@ int main()
     return runOnPlatform("Reference", [](Platform& platform) {
         testAtomsAlone(platform);
         testMixtures(platform);
+        testRings(platform);
         testDynamicsInTurn(platform);
         testVolume(platform);
     });
