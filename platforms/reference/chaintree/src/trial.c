@@ -318,16 +318,18 @@ void ctTrialShow(Trial* trial, const Sequence* s) {
 
 /* ---- Propose ---- */
 
+/* True if the axis particles of a torsion are apart, in a flexible scene. */
+CT_NOINLINE bool hasAxisNow(const ctChainTree* tree, int link) {
+  double point[3];
+  double axis[3];
+  treeAxis(&tree->ownTree, &tree->sequence, link, point, axis);
+  return dot(axis, axis) > 0;
+}
+
 /* True if a torsion has an axis about which it can turn. */
 static bool canTurn(const ctChainTree* tree, int link) {
   const Sequence* s = &tree->sequence;
-  if (!s->isFlexible) {
-    return s->axisPlaces[link] != axisIsNoLine;
-  }
-  double point[3];
-  double axis[3];
-  treeAxis(&tree->ownTree, s, link, point, axis);
-  return dot(axis, axis) > 0;
+  return s->isFlexible ? hasAxisNow(tree, link) : s->axisPlaces[link] != axisIsNoLine;
 }
 
 static ctStatus checkChange(ctChainTree* tree, const ctChange* change) {

@@ -32,15 +32,21 @@ static unsigned slotBits(int begin, int end, int first) {
   return low < high ? (1u << high) - (1u << low) : 0;
 }
 
-/* The same without slots of body 0. */
-static unsigned movingBits(const View* view, int begin, int end, int first) {
-  unsigned bits = slotBits(begin, end, first);
+/* Removes slots of body 0 from such bits. A function of its own, since this is rare. */
+CT_NOINLINE unsigned withoutStill(const View* view, int begin, int end, int first, unsigned bits) {
   for (int next = end, p = pieceOf(view, end - 1); next > begin; next = view->pieces[p--].slotBegin) {
     if (view->pieces[p].body == 0) {
       bits &= ~slotBits(view->pieces[p].slotBegin, next, first);
     }
   }
   return bits;
+}
+
+/* The same as slotBits without slots of body 0. */
+CT_INLINE unsigned movingBits(const View* view, int begin, int end, int first) {
+  const unsigned bits = slotBits(begin, end, first);
+  const bool isOnePiece = view->pieceCount <= 3 && view->pieces[0].body == 0; /* or two that move */
+  return isOnePiece ? bits : withoutStill(view, begin, end, first, bits);
 }
 
 /* World coordinates of sixteen slots, starting at any. Coordinates of slot `end` and later ones may be any numbers.
