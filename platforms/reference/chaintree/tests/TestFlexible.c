@@ -1,6 +1,6 @@
 /* Flexible scenes at their borders: what is refused, what the state holds, and displacements of particles that are
  * special. */
-#include "check.h"
+#include "chain.h"
 
 /* A wall; a free link; a link that turns about the bond 2-4 behind it, and on that one that turns about its particle 7.
  * Particle 6 has no radius and no slot. */
@@ -193,6 +193,29 @@ static void testVerdicts(void) {
   ctDestroy(tree);
 }
 
+/* A bead of a long row is displaced far out of all bounds around it, and at once another onto it: nothing that would
+ * compute bounds again is asked between. */
+static void testFarOut(void) {
+  enum { BEADS = 600, OUT = 311 };
+  for (int other = 5; other < BEADS; other += 45) {
+    const Chain chain = allocateChain(BEADS, BEADS, ctFreeJoint);
+    for (int i = 0; i < BEADS; i++) {
+      const double position[3] = {0.3 * i, 0.1 * (i % 2), 0};
+      setBead(&chain, i, position, 0.1);
+    }
+    chainsAreFlexible = true;
+    ctChainTree* tree = createChain(&chain);
+    CHECK_SUCCESS(displace(tree, OUT, 0, 7, 0));
+    CHECK(!clashes(tree));
+    CHECK_SUCCESS(ctAccept(tree, NULL));
+    CHECK_SUCCESS(displace(tree, other, 0.3 * (OUT - other), 6.9, 0));
+    CHECK(clashes(tree));
+    CHECK_SUCCESS(displace(tree, other, 0.3 * (OUT - other), 6.5, 0));
+    CHECK(!clashes(tree));
+    ctDestroy(tree);
+  }
+}
+
 /* ---- Particles without a slot ---- */
 
 static void testSlotless(void) {
@@ -340,6 +363,7 @@ int main(void) {
   testFarAway();
   testTrialParticles();
   testVerdicts();
+  testFarOut();
   testSlotless();
   testAxisOfNoLength();
   testPivot();
