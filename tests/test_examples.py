@@ -130,3 +130,21 @@ def test_faunus(tmp_path):
     assert [name for name, *_ in rows] in (names := ["native", "OpenMM's CPU platform", "Faunus"], names[:2])
     for _, energy, microseconds, _ in rows:
         assert float(energy) == pytest.approx(float(rows[0][1]), abs=0.05) and float(microseconds) > 0
+
+
+def test_dynamics(tmp_path):
+    """Short runs: atom moves differ little from dynamics, torsions alone differ much; people start longer runs."""
+    for seed, method in enumerate(("dynamics", "atoms", "torsions"), start=1):
+        settings = [method, f"{method}.npz", "--frames", 40, "--chains", 2, "--seed", seed]
+        run("validation/dynamics.py", "sample", "glycine", *settings, folder=tmp_path)
+    outputs = [
+        run("validation/dynamics.py", "compare", "dynamics.npz", f"{other}.npz", folder=tmp_path, statuses=statuses)
+        for other, statuses in (("atoms", (0, 1)), ("torsions", (1,)))
+    ]
+    for output in outputs:
+        assert re.search(r"^GLY 1, 18 x 18 bins .*: total variation 0\.\d+;", output, re.MULTILINE)
+        assert re.search(r"^least p-value of 40, times their number: \S+$", output, re.MULTILINE)
+    # Differences of the widths of six kinds of bonds and nine kinds of angles, in percent.
+    widths = [[float(of) for of in re.findall(r"^  width .* (\S+)$", output, re.MULTILINE)] for output in outputs]
+    assert [len(of) for of in widths] == [15, 15]
+    assert max(map(abs, widths[0])) < 60 and max(widths[1]) < -40
