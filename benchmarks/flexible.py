@@ -13,6 +13,7 @@ from measure import CPU, Row, hasCPU, makeParser, medianTime, positive, run, tim
 from moves import heavyAtoms
 from openmm import app, unit
 from openmmchaintree import TorsionMonteCarloIntegrator, addDefaultMoves
+from openmmchaintree.command.flexible import LARGEST_SIZE, findScales
 from proteins import IMPLICIT_SOLVENT, TEMPERATURE, positionsOf, prepare
 
 GROUPS = {"travel": "how far the Cα atoms are after seconds of a processor's time"}
@@ -22,7 +23,6 @@ _RUNS, _WARM_TRIALS, _QUICK_TRIALS = 4, 200000, 800
 _SECONDS, _QUICK_SECONDS = 60, 2
 
 _SHARES = (0.3, 0.5, 0.7)  # of atom moves, by weight
-_LARGEST_SIZE, _FIRST_SCALE = 0.03, 0.3  # nm; the scale adapts for each class of atoms
 _TRIALS_PER_STEP, _STEPS_OF_DYNAMICS = 400, 10
 _FRICTION = 1 / unit.picosecond
 _EQUILIBRATION = 0.2  # of all seconds, before what is measured
@@ -36,10 +36,8 @@ class _Contestant:
 
     def __init__(self, protein, system, integrator, steps, unitsPerStep):
         """Begin; a turn is `steps` of the integrator, each of which is `unitsPerStep` trials or steps."""
-        name, properties = (CPU, [{"Threads": "1"}]) if hasCPU() else ("Reference", [])
-        platform = openmm.Platform.getPlatformByName(name)
         self.integrator = integrator
-        self.context = openmm.Context(system, integrator, platform, *properties)
+        self.context = openmm.Context(system, integrator, *_platform())
         self.context.setPositions(protein.positions * unit.nanometer)
         self._steps, self._units = steps, steps * unitsPerStep
         self._atoms = _insideAlphas(protein.topology)
@@ -53,14 +51,18 @@ class _Contestant:
             self.spent += 1e-6 * time
 
     def begin(self):
-        """Count from here, with sizes of moves as they are now."""
-        if isinstance(self.integrator, TorsionMonteCarloIntegrator):
-            self.integrator.setAdaptMoveSizes(False)
+        """Count from here."""
         self.spent, self.times = 0.0, []
 
     def look(self):
         """Keep where the atoms are."""
         self.looks.append(positionsOf(self.context)[self._atoms])
+
+
+def _platform():
+    """Return the platform and its properties."""
+    name, properties = (CPU, [{"Threads": "1"}]) if hasCPU() else ("Reference", [])
+    return openmm.Platform.getPlatformByName(name), *properties
 
 
 def _insideAlphas(topology):
@@ -81,13 +83,13 @@ def _makeContestants(protein, seed):
         system = makeSystem(None)
         system.addForce(protein.makeForce())
         integrator = TorsionMonteCarloIntegrator(TEMPERATURE * unit.kelvin)
-        addDefaultMoves(integrator, protein.topology, system)  # the sum of their weights is 1
-        if share > 0:
-            atoms = integrator.addAtomMove(share / (1 - share), _LARGEST_SIZE * unit.nanometer)
-            integrator.setMoveScale(atoms, _FIRST_SCALE)
-            integrator.setAdaptMoveSizes(True)
         integrator.setTrialsPerStep(_TRIALS_PER_STEP)
         integrator.setRandomNumberSeed(seed)
+        default = addDefaultMoves(integrator, protein.topology, system)  # the sum of their weights is 1
+        if share > 0:
+            integrator.addAtomMove(share / (1 - share), LARGEST_SIZE * unit.nanometer)
+            scales = findScales(integrator, system, protein.positions * unit.nanometer, _platform())
+            integrator.setMoveScales(len(default), scales)
         contestants[name] = _Contestant(protein, system, integrator, 1, _TRIALS_PER_STEP)
     for name, constraints, femtoseconds in ((UNCONSTRAINED, None, 1), (CONSTRAINED, app.HBonds, 2)):
         integrator = openmm.LangevinMiddleIntegrator(

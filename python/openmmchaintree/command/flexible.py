@@ -9,7 +9,7 @@ from ..openmmchaintree import TorsionMonteCarloIntegrator
 # The share of atom moves among all trials.
 ATOM_SHARE = 0.5
 
-_LARGEST_SIZE = 0.03  # nm, more than the loosest atoms need
+LARGEST_SIZE = 0.03  # nm, more than the loosest atoms need
 _USUAL_SCALE = 0.3  # at which adaptation begins, and which rare classes of atoms keep
 _ADAPTING_TRIALS = 30000
 
@@ -17,7 +17,7 @@ _ADAPTING_TRIALS = 30000
 def addAtomMove(integrator, moves):
     """Add an atom move to an integrator with a list of NamedMove; return the NamedMove."""
     weight = ATOM_SHARE / (1 - ATOM_SHARE) * sum(move.weight for move in moves)
-    move = integrator.addAtomMove(weight, _LARGEST_SIZE * unit.nanometer)
+    move = integrator.addAtomMove(weight, LARGEST_SIZE * unit.nanometer)
     integrator.setMoveScale(move, _USUAL_SCALE)
     return NamedMove("atoms", weight)
 
