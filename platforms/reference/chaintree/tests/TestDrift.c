@@ -135,6 +135,18 @@ static double addDrift(Distances before, Distances after, Distances drift) {
   return (double)most;
 }
 
+/* Quaternions keep their length. */
+static void checkQuaternions(ctChainTree* tree) {
+  enum { PLACED = 10, SIZE = 3 * PARTICLES + 3 + PLACED * LINKS };
+  double numbers[SIZE];
+  CHECK(ctGetStateSize(tree) == SIZE);
+  ctGetState(tree, numbers);
+  for (int link = 0; link < LINKS; link++) {
+    const double* q = numbers + 3 * PARTICLES + 3 + (size_t)PLACED * (size_t)link;
+    CHECK_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-15);
+  }
+}
+
 static void testDrift(ctJointKind joint, double trials) {
   ctChainTree* tree = makeChain(joint);
   Distances before;
@@ -159,6 +171,7 @@ static void testDrift(ctJointKind joint, double trials) {
   }
   /* As a random walk of roundings, with room for few turns and for what remains of a bias. */
   CHECK(most < MOST_DRIFT * sqrt(trials / 1e9));
+  checkQuaternions(tree);
   ctDestroy(tree);
 }
 

@@ -308,6 +308,32 @@ static void testPivot(void) {
   ctDestroy(tree);
 }
 
+/* A ball joint about a particle of the parent that has no slot: the trial moves slots about where it is now. */
+static void testSlotlessPivot(void) {
+  static const int aboutSix[LINKS][4] = {{0}, {0}, {3, 2, 4, 5}, {CT_NULL, 6, CT_NULL, CT_NULL}};
+  ctDefinition definition = describe();
+  definition.linkTorsions = aboutSix;
+  ctChainTree* tree = checkedCreate(&definition);
+  double before[COORDINATES];
+  double after[COORDINATES];
+  for (int turn = 0; turn < 3; turn++) {
+    displaceFor(tree, 6, 0.25, 0.5, -0.125);
+    CHECK_SUCCESS(ctPropose(tree, 1, &(ctChange){.link = HAND, .rotation = {0.3, -0.7, 0.5}}));
+    const ctPiece* pieces;
+    const ctTransform* motions;
+    ctGetTrialPieces(tree, &pieces, &motions);
+    ctGetPositions(tree, before);
+    CHECK_SUCCESS(ctGetTrialPositions(tree, after));
+    for (int i = 3 * 7; i < COORDINATES; i++) {
+      const double* r = motions[1].rotation + 3 * (i % 3);
+      const double* x = before + i - i % 3;
+      CHECK_NEAR(after[i], r[0] * x[0] + r[1] * x[1] + r[2] * x[2] + motions[1].translation[i % 3], 1e-14);
+    }
+    CHECK_SUCCESS(ctAccept(tree, NULL));
+  }
+  ctDestroy(tree);
+}
+
 /* ---- The state ---- */
 
 static void testState(void) {
@@ -367,6 +393,7 @@ int main(void) {
   testSlotless();
   testAxisOfNoLength();
   testPivot();
+  testSlotlessPivot();
   testState();
   return checkResult();
 }
