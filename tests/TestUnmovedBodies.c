@@ -81,7 +81,7 @@ static bool proposeWindow(Program* p, int link, int size, double most, const dou
     if (!closeWindow(&window, shift, angles))
         return false;
     if (p->scene.isFlexible && randomChance(&p->random, 0.5)) /* and not quite, which far particles tell */
-        angles[size - 1] += pow(10, randomReal(&p->random, -14, -10));
+        angles[size - 1] += pow(10, randomReal(&p->random, -14, -11));
     for (int i = 0; i < size; i++)
         changes[i] = (ctChange){.link = link + i, .angle = angles[i]};
     changes[size] = (ctChange){.link = pivot, .angle = randomReal(&p->random, -0.1, 0.1)};
@@ -277,8 +277,8 @@ static void runPrograms(uint64_t seed, int programs, int steps)
         raiseLimits(&program);
         for (int i = 0; i < steps; i++) {
             step(&program);
-            if (scene.isFlexible && i % 30 == 10)
-                stretch(&program, n % 8 == 7 ? 500 : 4);
+            if (scene.isFlexible && i % 10 == 3)
+                stretch(&program, n % 4 == 3 ? 500 : 9);
         }
         programDestroy(&program);
     }
