@@ -425,6 +425,46 @@ static void testEquallyNear(bool descends) {
   ctDestroy(tree);
 }
 
+/* A displaced bead meets an image of a bead that stays, between it and another one that is displaced. */
+static void testBetweenMovers(void) {
+  enum { COUNT = 60, ROW = 6 };
+  const double box[3][3] = {{7, 0, 0}, {0, 7, 0}, {0, 0, 7}};
+  double positions[3 * COUNT];
+  double radii[COUNT];
+  const int links[COUNT] = {0};
+  const int parent = CT_NULL;
+  const uint8_t joint = ctFreeJoint;
+  for (int i = 0; i < COUNT; i++) {
+    const int place[3] = {i % ROW, i / ROW % ROW, i / ROW / ROW};
+    radii[i] = 0.1;
+    for (int d = 0; d < 3; d++) {
+      positions[3 * i + d] = place[d];
+    }
+  }
+  const ctDefinition definition = {.particleCount = COUNT,
+                                   .positions = positions,
+                                   .radii = radii,
+                                   .particleLinks = links,
+                                   .linkCount = 1,
+                                   .linkParents = &parent,
+                                   .linkJoints = &joint,
+                                   .box = box,
+                                   .isFlexible = true};
+  ctChainTree* tree = checkedCreate(&definition);
+  bool clash;
+  for (int first = 0; first + 2 < COUNT; first += ROW) {
+    const ctDisplacement displacements[2] = {{.particle = first, .shift = {1, 7, -14}},
+                                             {.particle = first + 2, .shift = {0, 0.3, 0}}};
+    CHECK_SUCCESS(ctProposeDisplacements(tree, 2, displacements));
+    CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
+    CHECK(clash);
+    CHECK_SUCCESS(ctProposeDisplacements(tree, 1, displacements + 1));
+    CHECK_SUCCESS(ctTestTrial(tree, &clash, NULL, NULL));
+    CHECK(!clash);
+  }
+  ctDestroy(tree);
+}
+
 /* Molecules that are many boxes away meet the same images, also after trials, and in a scene that is given the state.
  */
 static void testDrift(const double (*box)[3]) {
@@ -562,6 +602,7 @@ int main(int argumentCount, char** arguments) {
   testEquallyNear(false);
   testEquallyNear(true);
   testFaults();
+  testBetweenMovers();
   for (int box = 0; box < 2 * BOXES; box++) {
     areFlexible = box >= BOXES;
     testDrift(boxes[box % BOXES]);
