@@ -107,13 +107,13 @@ def addDefaultMoves(
     return _addMixtures(integrator, scene, rigidBodies, _RIGID_STEP, disordered).added
 
 
-def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies):
+def addMovesOfPlan(integrator, topology, system, torsions, rigidBodies, disordered):
     """Add the moves of `addDefaultMoves` for a list of Torsion, and for molecules by a particle of each.
 
     Return the NamedMoves in the order of their indices.
     """
     scene = MoveScene(topology, system, torsions)
-    return _addMixtures(integrator, scene, rigidBodies, _BOUND_STEP, disordered=False).named
+    return _addMixtures(integrator, scene, rigidBodies, _BOUND_STEP, disordered).named
 
 
 def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):

@@ -162,6 +162,12 @@ def test_oneResidueHasNoWindows(sampleMoves):
     assert not any(notMade.values())
 
 
+def test_disorderedChains(runHere, sampleMoves, tmp_path):
+    assertRefused(runHere("--disordered"), tmp_path, [], "--disordered", "--forcefield")
+    ofBackbones = [name for name in sampleMoves(800, "--disordered") if name.startswith("φ/ψ")]
+    assert ofBackbones == ["φ/ψ by residue", "φ/ψ ±180°", "φ/ψ ±30°", "φ/ψ closed 20°"]
+
+
 def test_otherKindsOfTorsions(sampleMoves):
     """ω turns by little and to the other side, rotors by more; all are named."""
     assert list(sampleMoves(400, "--torsions", "omega,rotor")) == ["ω ±1°", "ω ±180°", "rotor ±10°", "rotor ±180°"]

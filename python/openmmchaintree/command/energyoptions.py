@@ -14,6 +14,7 @@ _NEED_FORCE_FIELD = (
     "trials_per_outer_test",
     "no_native_energies",
     "flexible",
+    "disordered",
 )
 
 
@@ -61,6 +62,12 @@ def addEnergyOptions(parser):
         action="store_true",
         help="in a force field, also displace single atoms, so that bond lengths and angles change as in dynamics "
         f"(a share of {ATOM_SHARE:g} of the trials; default: they keep their initial values)",
+    )
+    parser.add_argument(
+        "--disordered",
+        action="store_true",
+        help="in a force field, choose moves for disordered chains, and for chains that fold: backbones are mostly "
+        "drawn from the density of residues in loops, and get large turns (default: moves for folded chains)",
     )
     parser.add_argument("--add-hydrogens", action="store_true", help="add missing hydrogens")
     parser.add_argument(

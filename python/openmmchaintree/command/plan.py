@@ -52,6 +52,7 @@ class Choice(NamedTuple):
     unknownRadius : float or None, nm, for atoms of elements without a known radius
     periodic : bool, whether pairs count in all images of the structure's box
     isFlexible : bool, whether bond lengths and angles change
+    areDisordered : bool, whether moves suit disordered chains
     """
 
     kinds: tuple[str, ...] | None = None
@@ -66,6 +67,7 @@ class Choice(NamedTuple):
     unknownRadius: float | None = None
     periodic: bool = False
     isFlexible: bool = False
+    areDisordered: bool = False
 
     def withDefaults(self):
         """Return a Choice with defaults in place of None."""

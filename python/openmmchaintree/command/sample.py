@@ -53,9 +53,9 @@ In a force field, with implicit solvent:
 
 A force field needs all atoms of each residue: --add-hydrogens adds hydrogens; use PDBFixer for other missing atoms.
 Moves suit folded chains: closed and local moves of backbone windows, which leave the chain behind them in place or
-hardly move it, and side-chain moves, small or between rotamers. Hard spheres alone are sampled by moves of
-single torsions. Bond lengths and angles keep their initial values, unless --flexible also displaces single atoms, which
-samples the ensemble of unconstrained dynamics.
+hardly move it, and side-chain moves, small or between rotamers. With --disordered, they suit disordered and unfolded
+chains. Hard spheres alone are sampled by moves of single torsions. Bond lengths and angles keep their initial values,
+unless --flexible also displaces single atoms, which samples the ensemble of unconstrained dynamics.
 
 A SELECTION is written in MDTraj's language (https://mdtraj.org/latest/atom_selection.html), in quotes:
 
@@ -200,6 +200,7 @@ def _run(options):
         options.unknown_radius,
         options.periodic,
         options.flexible,
+        options.disordered,
     )
     try:
         with collectionPaused():

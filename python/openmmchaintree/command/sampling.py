@@ -143,7 +143,12 @@ class Sampling:
         else:
             try:
                 self.moves = addMovesOfPlan(
-                    self.integrator, structure.topology, system, plan.torsions, plan.rigidBodies
+                    self.integrator,
+                    structure.topology,
+                    system,
+                    plan.torsions,
+                    plan.rigidBodies,
+                    choice.areDisordered,
                 )
             except ValueError as error:  # a file may have added particles
                 raise InputError(str(error)) from error
