@@ -9,6 +9,7 @@ from pathlib import Path
 
 import openmmchaintree
 import pytest
+from openmm import app, unit
 
 PROJECT = Path(__file__).parents[1]
 EXAMPLES = sorted((PROJECT / "examples").glob("*.py"))
@@ -148,3 +149,28 @@ def test_dynamics(tmp_path):
     widths = [[float(of) for of in re.findall(r"^  width .* (\S+)$", output, re.MULTILINE)] for output in outputs]
     assert [len(of) for of in widths] == [15, 15]
     assert max(map(abs, widths[0])) < 60 and max(widths[1]) < -40
+
+
+def test_folding(tmp_path, monkeypatch):
+    """A run from an extended start is extended, and compared with the native structure; people start longer runs."""
+    monkeypatch.syspath_prepend(PROJECT / "examples" / "validation")
+    from peptide import cutPeptide
+
+    topology, positions = cutPeptide()
+    with open(tmp_path / "native.pdb", "w") as file:
+        app.PDBFile.writeFile(topology, positions * unit.nanometer, file)
+
+    def fold(*arguments):
+        return run("validation/folding.py", *arguments, folder=tmp_path)
+
+    fold("start", "native.pdb", "extended.pdb", "--extended")
+    settings = ["extended.pdb", "short", "--forcefield", "amber14-all.xml", "--temperatures", "300:400:2"]
+    assert "2 replicas, 8,000 trials of each" in fold("run", *settings, "--trials", 8000, "--frames", 4)
+    assert "2 replicas, 16,000 trials of each" in fold("run", *settings, "--trials", 16000)
+    output = fold("report", "native.pdb", "short", "--threshold", 0.05, "--picture", "short.png")
+    rows = [row.split() for row in re.findall(r"^ *[34]00\.0 .*$", output, re.MULTILINE)]
+    assert [row[:2] for row in rows] == [["300.0", "5"], ["400.0", "5"]]
+    assert all(0 <= float(row[2]) <= 1 and 0.3 < float(row[6]) < 0.8 for row in rows)
+    assert float(rows[0][5]) < float(rows[1][5]) and 0 <= float(rows[0][7]) <= 1
+    hours = float(re.search(r"^short: ([0-9.]+) CPU hours, \d+ round trips$", output, re.MULTILINE)[1])
+    assert 0 <= hours < 0.1 and (tmp_path / "short.png").stat().st_size > 0
