@@ -32,7 +32,7 @@ LAGS = (1, 3, 10, 30)  # s
 
 
 class _Contestant:
-    """A Context that goes on from a protein's positions, and its Cα atoms at equal intervals of processor time."""
+    """A Context that starts at a protein's positions, and its Cα atoms at equal intervals of processor time."""
 
     def __init__(self, protein, system, integrator, steps, unitsPerStep):
         """Begin; a turn is `steps` of the integrator, each of which is `unitsPerStep` trials or steps."""

@@ -75,7 +75,7 @@ private:
     std::vector<int> units;
     std::vector<std::vector<int>> members;
     std::vector<std::pair<int, int>> constraints;
-    /** The virtual sites, and for each particle those that it is or defines. */
+    /** The virtual sites; for each particle the site that it is, if any, and the sites that it defines. */
     std::vector<VirtualPlace> sites;
     std::vector<const VirtualPlace*> siteOf;
     std::vector<std::vector<const VirtualPlace*>> sitesBy;

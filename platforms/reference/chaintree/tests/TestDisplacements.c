@@ -173,7 +173,7 @@ static void checkPositions(const double* positions, const Point* expected) {
   }
 }
 
-/* A scene made anew from the numbers of the state has its bits. */
+/* A new scene with the numbers of the state has its bits. */
 static void checkCopy(ctChainTree* tree, double radius, ctJointKind joint, double tolerance) {
   double* state = malloc(ctGetStateSize(tree) * sizeof *state);
   double positions[2][3 * PARTICLES];

@@ -62,7 +62,7 @@ typedef struct StandIn {
   int stagedCapacity;
   StagedPair* staged;    /* pairs that the trial moves, then pairs that only new radii change */
   int movedCount;        /* pairs that the trial moves */
-  StandInReach farReach; /* of displaced particles in the trial: those that are near in it or before it */
+  StandInReach farReach; /* for displaced particles: near in the trial or before it */
   double nearChange;
   double nearChangeBack;
 

@@ -473,7 +473,7 @@ static void setBodies(const TrialView* view, bool inTrial, const HeldTerms* held
   }
 }
 
-/* The terms that hold the particle of a slot, but for those that were computed. */
+/* The terms that hold the particle of a slot, unless they were computed already. */
 static void changeTermsOfSlot(Change* change, int slot) {
   Terms* terms = change->evaluation.terms;
   const HeldTerms* held = &terms->held;

@@ -65,7 +65,7 @@ CT_INLINE void energiesAt(const StandInModel* model, const PairConstants* c, Flo
   *gradient = sub16(mul16(ofF, steepness), mul16(fade, c->slope));
 }
 
-/* The lanes that count in the row of slot k. Of a leaf with itself those that are not displaced, or behind it. */
+/* The lanes that count in the row of slot k. Of a leaf with itself: lanes that are not displaced, or behind k. */
 CT_INLINE unsigned movedLanes(const MovedRows* rows, int k) {
   const bool isSelf = rows->ones->frame == rows->all->frame;
   return isSelf ? 0xfffeu << k | ~rows->slots : rows->lanes;
