@@ -14,8 +14,8 @@ def draw(machine, entries):
     races = [race for race in racesOf(entries, "travel") if any(entry["travel"] for entry in race.values())]
     if not races:
         return None
-    figure = Figure(figsize=(4.2 * len(races), 4.2), layout="constrained")
-    figure.suptitle(f"AMBER14 with GBn2 at 300 K, folded; {machine['processor']}", fontsize="medium")
+    figure = Figure(figsize=(4.6 * len(races), 4.4), layout="constrained")
+    figure.suptitle(f"AMBER14 with GBn2 at 300 K, folded\n{machine['processor']}", fontsize="medium")
     for axis, race in zip(figure.subplots(1, len(races), squeeze=False)[0], races, strict=True):
         shades = iter(_SHADES)
         for name, entry in race.items():
