@@ -305,7 +305,7 @@ ctStatus ctPropose(ctChainTree* tree, int count, const ctChange* changes);
 /* Proposes a trial that displaces these particles, each once, while all others stay, and rejects an open one. Particles
  * of one shift are one body. Writes nothing that a query can see. Errors: the scene is not flexible; the count or a
  * particle out of range; a particle named twice; a fixed particle; a shift that is not finite or beyond CT_MOST_LENGTH,
- * or may take the particle farther than that; no memory. O(k log k). */
+ * or may take the particle farther than that; no memory. O(k log k), with d different shifts O(k (log k + d)). */
 ctStatus ctProposeDisplacements(ctChainTree* tree, int count, const ctDisplacement* displacements);
 
 /* *clash is true if some pair overlaps beyond its limit in the open trial. Pairs that the trial moves as one rigid body

@@ -275,6 +275,18 @@ static void keepDihedral(Sequence* s, int link, double angle) {
   }
 }
 
+/* Writes positions of the particles of a torsion joint that have its dihedral: the present ones in a flexible scene,
+ * else those of the reference. */
+static void torsionPositions(ctChainTree* tree, const int p[4], double x[4][3]) {
+  if (tree->sequence.isFlexible) {
+    ctGetPositionsOf(tree, false, 4, p, x[0]);
+    return;
+  }
+  for (int i = 0; i < 4; i++) {
+    memcpy(x[i], tree->sequence.reference + 3 * (size_t)p[i], sizeof x[i]);
+  }
+}
+
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
   CT_REQUIRE(tree, angle);
   if (!isUserLink(tree, link)) {
@@ -290,12 +302,7 @@ ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle) {
     const Joint* joint = &s->joint[own];
     const int p[4] = {joint->torsion[1], joint->torsion[0], joint->origin, joint->torsion[2]};
     double x[4][3];
-    if (s->isFlexible) {
-      ctGetPositionsOf(tree, false, 4, p, x[0]);
-    }
-    for (int i = 0; i < 4 && !s->isFlexible; i++) {
-      memcpy(x[i], s->reference + 3 * (size_t)p[i], sizeof x[i]);
-    }
+    torsionPositions(tree, p, x);
     if (!dihedral(x[0], x[1], x[2], x[3], &reference)) {
       return ctFail(tree, ctInvalidArgument,
                     "the dihedral of particles %d, %d, %d and %d is undefined: three are collinear", p[0], p[1], p[2],

@@ -13,14 +13,13 @@ static bool reserve(Trial* trial, int count) {
   if (count <= trial->displacementCapacity) {
     return true;
   }
-  int capacity[4];
-  for (int i = 0; i < 4; i++) {
+  int capacity[3];
+  for (int i = 0; i < 3; i++) {
     capacity[i] = trial->displacementCapacity;
   }
   if (!ctReserve((void**)&trial->displacements, &capacity[0], count, sizeof(TrialDisplacement)) ||
       !ctReserve((void**)&trial->displaced, &capacity[1], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->places, &capacity[2], count, sizeof(int)) ||
-      !ctReserve((void**)&trial->inLeaf, &capacity[3], count, sizeof(Frame))) {
+      !ctReserve((void**)&trial->inLeaf, &capacity[2], count, sizeof(Frame))) {
     return false;
   }
   trial->displacementCapacity = count;
@@ -101,13 +100,6 @@ static void cutSlots(Trial* trial, const Sequence* s) {
   }
 }
 
-static void listDisplaced(Trial* trial) {
-  for (int i = 0; i < trial->displacementCount; i++) {
-    trial->displaced[i] = trial->displacements[i].particle;
-    trial->places[i] = trial->displacements[i].place;
-  }
-}
-
 ctStatus ctProposeDisplacements(ctChainTree* tree, int count, const ctDisplacement* displacements) {
   CT_REQUIRE(tree, tree);
   const Sequence* s = &tree->sequence;
@@ -142,14 +134,12 @@ ctStatus ctProposeDisplacements(ctChainTree* tree, int count, const ctDisplaceme
   if (twice != CT_NULL) {
     return ctFail(tree, ctInvalidArgument, "particle %d is displaced twice in one trial", twice);
   }
-  listDisplaced(trial);
+  for (int i = 0; i < count; i++) {
+    trial->displaced[i] = trial->displacements[i].particle;
+  }
   cutSlots(trial, s);
   trial->arePending = true;
-  trial->displacement = 0;
-  trial->distanceError = 0;
-  trial->isFree = false;
-  trial->isShown = false;
-  trial->open = true;
+  resetTrial(trial);
   ctTrialOpen(tree);
   return ctSuccess;
 }
@@ -165,21 +155,14 @@ int ctGetTrialParticles(const ctChainTree* tree, const int** particles) {
 
 /* ---- Apply ---- */
 
-static int linkOfPlace(const Sequence* s, int place) {
-  return place >= 0 ? s->slotLink[place] : ~place;
-}
-
-static int leafOfPlace(const Sequence* s, int place) {
-  return coveringNode(place >= 0 ? place : s->slotBegin[~place]);
-}
-
 /* Finds the frames of the links of displaced particles in their leaves. */
 static void findFrames(Trial* trial, const Sequence* s, const Tree* tree) {
+  const int* particles = trial->displaced;
   for (int i = 0; i < trial->displacementCount; i++) {
-    const int link = linkOfPlace(s, trial->places[i]);
-    const int leaf = leafOfPlace(s, trial->places[i]);
+    const int link = particleLink(s, particles[i]);
+    const int leaf = particleLeaf(s, particles[i]);
     const bool isKnown =
-        i > 0 && linkOfPlace(s, trial->places[i - 1]) == link && leafOfPlace(s, trial->places[i - 1]) == leaf;
+        i > 0 && particleLink(s, particles[i - 1]) == link && particleLeaf(s, particles[i - 1]) == leaf;
     trial->inLeaf[i] = isKnown ? trial->inLeaf[i - 1] : ctTreeLinkInThisLeaf(tree, s, link, leaf);
   }
 }
@@ -189,7 +172,7 @@ static void findPositions(Trial* trial, const Sequence* s, World* world) {
   for (int i = 0; i < trial->displacementCount; i++) {
     TrialDisplacement* own = &trial->displacements[i];
     double shift[3];
-    rotateBack(ctWorldLeafFrame(world, leafOfPlace(s, own->place)), own->shift, shift);
+    rotateBack(ctWorldLeafFrame(world, particleLeaf(s, own->particle)), own->shift, shift);
     rotateBack(&trial->inLeaf[i], shift, shift);
     memcpy(own->before, s->reference + 3 * (size_t)own->particle, sizeof own->before);
     for (int k = 0; k < 3; k++) {
@@ -210,5 +193,5 @@ int ctDisplacementsApply(ctChainTree* scene, bool after) {
     const TrialDisplacement* own = &trial->displacements[i];
     memcpy(s->reference + 3 * (size_t)own->particle, after ? own->after : own->before, sizeof own->after);
   }
-  return ctTreeDisplace(&scene->ownTree, s, trial->places, trial->inLeaf, trial->displacementCount);
+  return ctTreeDisplace(&scene->ownTree, s, trial->displaced, trial->inLeaf, trial->displacementCount);
 }

@@ -122,7 +122,7 @@ static uint8_t axisPlacesOf(const Sequence* s, int link) {
   return areHere ? (uint8_t)(TREE_WIDTH * memberIndex(from) + memberIndex(to)) : axisElsewhere;
 }
 
-/* Finds the origin of the world and, in a flexible scene, takes those of links from their particles. */
+/* Finds the origin of the world. In a flexible scene, each link takes its origin from its particle. */
 static void setOrigins(Sequence* s) {
   findOrigin(s);
   double* origin = s->reference + 3 * (size_t)s->particleCount;

@@ -154,8 +154,8 @@ bool ctTypesBuild(Sequence* sequence, Arena* arena, const ctDefinition* definiti
 /* Sets all torsions to their reference. Placements are set by ctSequenceSetReference. */
 void ctSequenceResetTorsions(Sequence* sequence);
 
-/* Makes finite positions the reference: all angles are 0, and no joint is displaced. `origins`: those of the world and
- * of all links, which lie behind the reference positions of a flexible scene, are there already. Products are outdated
+/* Makes finite positions the reference: all angles are 0, and no joint is displaced. originsAreSet: in a flexible
+ * scene, the origins of the world and of all links stand behind the reference positions already. Products are outdated
  * until ctPathsMultiply. */
 typedef enum Origins { originsOfParticles, originsAreSet } Origins;
 void ctSequenceSetReference(Sequence* sequence, const double* positions, Origins origins);
@@ -256,6 +256,12 @@ static inline int particleSlot(const Sequence* s, int particle) {
 static inline int particleLink(const Sequence* s, int particle) {
   const int slotOrLink = s->slotOrLink[particle];
   return slotOrLink >= 0 ? s->slotLink[slotOrLink] : ~slotOrLink;
+}
+
+/* The leaf of a particle; if it has no slot, that where its link begins. */
+static inline int particleLeaf(const Sequence* s, int particle) {
+  const int slotOrLink = s->slotOrLink[particle];
+  return coveringNode(slotOrLink >= 0 ? slotOrLink : s->slotBegin[~slotOrLink]);
 }
 
 /* The first entry of slotlessParticle of a link or a later one. O(log of their number). */

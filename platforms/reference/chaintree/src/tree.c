@@ -259,17 +259,18 @@ int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int cou
   return dirty + refreshAbove(tree, 0, dirty);
 }
 
-int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* places, const Frame* inLeaf, int count) {
+int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* particles, const Frame* inLeaf, int count) {
   beginChange(tree);
   tree->builtFrom = tree->changes.now;
   int dirty = 0;
   for (int i = 0; i < count; i++) {
-    const int leaf = coveringNode(places[i] >= 0 ? places[i] : sequence->slotBegin[~places[i]]);
+    const int leaf = particleLeaf(sequence, particles[i]);
+    const int slot = particleSlot(sequence, particles[i]);
     if (tree->contentRevision[leaf] != tree->changes.now) {
       noteLeaf(tree, leaf);
       tree->dirty[dirty++] = leaf;
     }
-    if (places[i] >= 0 && !tree->wide->refreshSlot(tree, sequence, places[i], &inLeaf[i])) {
+    if (slot != CT_NULL && !tree->wide->refreshSlot(tree, sequence, slot, &inLeaf[i])) {
       tree->wide->widenAbove(tree, leaf);
     }
   }

@@ -180,10 +180,9 @@ void ctTreeTighten(Tree* tree);
  * level, each once (section 3.1), or notes that their bounds are loose. Returns how many. */
 int ctTreeUpdate(Tree* tree, const Sequence* sequence, const int* links, int count);
 
-/* Recomputes what depends on the reference positions of particles at these places (ascending): slots, or ~ of the link
- * of a particle without a slot. `inLeaf`: the frames of their links in the frames of their leaves. Bounds may be loose
- * then. Returns how many nodes. */
-int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* places, const Frame* inLeaf, int count);
+/* Recomputes what depends on the reference positions of these particles. `inLeaf`: the frames of their links in the
+ * frames of their leaves. Bounds may be loose then. Returns how many nodes. */
+int ctTreeDisplace(Tree* tree, const Sequence* sequence, const int* particles, const Frame* inLeaf, int count);
 
 /* The frame of a node in the world. O(level count). */
 Frame ctTreeFrame(const Tree* tree, int level, int node);

@@ -34,7 +34,6 @@ void ctTrialFree(Trial* trial) {
   free(trial->changes);
   free(trial->displacements);
   free(trial->displaced);
-  free(trial->places);
   free(trial->inLeaf);
   free(trial->pieces);
   free(trial->motions);
@@ -276,11 +275,7 @@ static int describeTrial(Trial* trial, const Sequence* s, World* w, const ctChan
   } else {
     cutPieces(trial, s);
   }
-  trial->displacement = 0;
-  trial->distanceError = 0;
-  trial->isFree = false;
-  trial->isShown = false;
-  trial->open = true;
+  resetTrial(trial);
   return CT_NULL;
 }
 

@@ -34,7 +34,6 @@ typedef struct Trial {
   bool arePending;                  /* no reference position is known yet */
   TrialDisplacement* displacements; /* ascending by place */
   int* displaced;                   /* their particles */
-  int* places;                      /* and places */
   Frame* inLeaf;                    /* scratch: the frames of their links in their leaves */
   int pieceCount;
   int motionCount;
@@ -73,6 +72,15 @@ static inline void addPiece(Trial* trial, int slotBegin, int body) {
 
 /* The view of the trial. */
 View ctTrialView(const Trial* trial, double reach);
+
+/* Forgets all of a trial but what it changes and its pieces, and opens it. */
+static inline void resetTrial(Trial* trial) {
+  trial->displacement = 0;
+  trial->distanceError = 0;
+  trial->isFree = false;
+  trial->isShown = false;
+  trial->open = true;
+}
 
 /* Makes room for what `count` changes or displacements need; false, and nothing lost, if there is no memory. */
 bool ctTrialReserve(Trial* trial, int count);
