@@ -70,18 +70,22 @@ void AtomGroups::joinUnits(const System& system)
             particle = units[particle] = units[units[particle]];
         return particle;
     };
+    vector<pair<int, int>> betweenLinks;
     for (int i = 0; i < system.getNumConstraints(); i++) {
         int particle1, particle2;
         double distance;
         system.getConstraintParameters(i, particle1, particle2, distance);
-        constraints.push_back(make_pair(particle1, particle2));
         units[find(particle1)] = find(particle2);
+        if (links[particle1] != links[particle2])
+            betweenLinks.push_back(make_pair(particle1, particle2));
     }
     members.resize(masses.size());
     for (int i = 0; i < (int)units.size(); i++) {
         units[i] = find(i);
         members[units[i]].push_back(i);
     }
+    for (auto& pair : betweenLinks)
+        torn.insert(make_pair(units[pair.first], pair));
 }
 
 bool AtomGroups::isHydrogen(int particle) const
@@ -91,14 +95,23 @@ bool AtomGroups::isHydrogen(int particle) const
 
 vector<int> AtomGroups::findDefaults() const
 {
-    vector<bool> isFound(units.size(), false);
     vector<int> found;
     for (int i = 0; i < (int)units.size(); i++)
-        if (siteOf[i] == NULL && isModelled[i] && !isFixed[i] && !isFound[units[i]]) {
-            isFound[units[i]] = true;
+        if (siteOf[i] == NULL && isModelled[i] && !isFixed[i])
             found.push_back(i);
-        }
     return found;
+}
+
+vector<int> AtomGroups::findFirstOfUnits(const vector<int>& particles) const
+{
+    vector<bool> isFound(units.size(), false);
+    vector<int> first;
+    for (int particle : particles)
+        if (!isFound[units[particle]]) {
+            isFound[units[particle]] = true;
+            first.push_back(particle);
+        }
+    return first;
 }
 
 /**
@@ -106,14 +119,12 @@ vector<int> AtomGroups::findDefaults() const
  */
 void AtomGroups::checkUnit(int unit, const string& name) const
 {
-    if (members[unit].size() == 1)
-        return;
-    for (auto& pair : constraints)
-        if (units[pair.first] == unit && links[pair.first] != links[pair.second])
-            throw OpenMMException(name + " cannot displace particles " + to_string(pair.first) + " and " +
-                                  to_string(pair.second) +
-                                  " as one: a constraint joins them, but a torsion or ball joint is between them; "
-                                  "build the System with constraints=None");
+    auto found = torn.find(unit);
+    if (found != torn.end())
+        throw OpenMMException(name + " cannot displace particles " + to_string(found->second.first) + " and " +
+                              to_string(found->second.second) +
+                              " as one: a constraint joins them, but a torsion or ball joint is between them; "
+                              "build the System with constraints=None");
 }
 
 AtomGroups::Group AtomGroups::makeGroup(int particle, bool withHydrogens, const string& name) const
@@ -164,7 +175,7 @@ void AtomGroups::describe(Group& group) const
     for (int one : group.particles) {
         mass += masses[one];
         for (int neighbor : neighbors[one])
-            numBonds += siteOf[neighbor] == NULL && !contains(group.particles, neighbor);
+            numBonds += !contains(group.particles, neighbor);
     }
     group.stiffness = make_pair((int)lround(mass), numBonds);
 }

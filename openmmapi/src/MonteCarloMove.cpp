@@ -146,9 +146,7 @@ void MonteCarloMove::write(SerializationNode& node) const
 void MonteCarloMove::setNumSizeClasses(size_t count, const string& name)
 {
     hasClasses = true;
-    if (all_of(scales.begin(), scales.end(), [&](double scale) {
-            return scale == scales[0];
-        }))
+    if (hasEqualScales())
         scales.assign(count, scales[0]);
     if (scales.size() != count)
         throw OpenMMException(name + " has " + to_string(scales.size()) + " scales, but its trials have " +

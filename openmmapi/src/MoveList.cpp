@@ -125,13 +125,6 @@ void MoveList::resetStatistics()
 
 // ---- XML ----
 
-static bool areEqual(const vector<double>& values)
-{
-    return all_of(values.begin(), values.end(), [&](double value) {
-        return value == values[0];
-    });
-}
-
 static string joinNumbers(const vector<double>& values)
 {
     string text;
@@ -157,7 +150,7 @@ void MoveList::writeMoves(SerializationNode& node) const
         SerializationNode& move = node.createChildNode(entry.move->getKind().element);
         move.setDoubleProperty("weight", entry.weight);
         const vector<double>& scales = entry.move->getScales();
-        if (!areEqual(scales))
+        if (!entry.move->hasEqualScales())
             move.setStringProperty("scales", joinNumbers(scales));
         else if (scales[0] != 1)
             move.setDoubleProperty("scale", scales[0]);

@@ -37,7 +37,6 @@ public:
 
 private:
     void followSite(const VirtualPlace& site, const Vec3& shift, const TrialSession& trials, Proposal& proposal);
-    vector<int> findChosen(const AtomGroups& groups, const string& name) const;
     class Choice {
     public:
         AtomGroups::Group group;
@@ -58,23 +57,6 @@ string AtomMove::getSubject() const
     return getKind().name + (withHydrogens ? " with its hydrogens" : "");
 }
 
-/**
- * Get one particle of each unit that the move chooses from.
- */
-vector<int> AtomMove::findChosen(const AtomGroups& groups, const string& name) const
-{
-    if (particles.empty())
-        return groups.findDefaults();
-    vector<int> chosen, units;
-    checkUnique(particles, name + " names particle ");
-    for (int particle : particles)
-        if (find(units.begin(), units.end(), groups.getUnit(particle)) == units.end()) {
-            units.push_back(groups.getUnit(particle));
-            chosen.push_back(particle);
-        }
-    return chosen;
-}
-
 void AtomMove::bind(const LinkStructure& structure, const string& name)
 {
     for (int particle : particles)
@@ -82,10 +64,11 @@ void AtomMove::bind(const LinkStructure& structure, const string& name)
     if (!structure.isFlexible())
         throw OpenMMException(name + " displaces particles within their links, but the Context was made when no move "
                                      "did, so that its links are rigid; reinitialize the Context");
+    checkUnique(particles, name + " names particle ");
     const AtomGroups& groups = structure.getAtomGroups();
     vector<Choice> found;
     vector<pair<int, int>> classes;
-    for (int particle : findChosen(groups, name)) {
+    for (int particle : groups.findFirstOfUnits(particles.empty() ? groups.findDefaults() : particles)) {
         found.push_back({groups.makeGroup(particle, withHydrogens, name), 0});
         classes.push_back(found.back().group.stiffness);
     }

@@ -5,6 +5,7 @@
 #include "openmmchaintree/internal/VirtualPlace.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/StericExclusionForce.h"
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,17 +40,14 @@ public:
         std::pair<int, int> stiffness;
     };
     /**
-     * Get one particle of each unit that an atom move chooses from by default: all that can move, in molecules with a
-     * particle that has a radius. The lowest of each unit comes first.
+     * Get the particles that an atom move chooses from by default: all that can move, in molecules with a particle that
+     * has a radius.
      */
     std::vector<int> findDefaults() const;
     /**
-     * Get a number that the particles of a unit share.
+     * Get the first of these particles in each unit.
      */
-    int getUnit(int particle) const
-    {
-        return units[particle];
-    }
+    std::vector<int> findFirstOfUnits(const std::vector<int>& particles) const;
     /**
      * Get what moves with a particle: its unit and, unless this is a hydrogen, the hydrogens that are bonded to it.
      * Throws an exception if the particle cannot move.
@@ -71,10 +69,11 @@ private:
     std::vector<bool> isFixed, isModelled;
     /** The particles bonded to each, by the bonds of the force and of its closures, without virtual sites. */
     std::vector<std::vector<int>> neighbors;
-    /** The unit of each particle, its particles, and the constraints. */
+    /** The unit of each particle, and the particles of each unit. */
     std::vector<int> units;
     std::vector<std::vector<int>> members;
-    std::vector<std::pair<int, int>> constraints;
+    /** Of units with particles of several links: the particles of their first constraint between two links. */
+    std::map<int, std::pair<int, int>> torn;
     /** The virtual sites; for each particle the site that it is, if any, and the sites that it defines. */
     std::vector<VirtualPlace> sites;
     std::vector<const VirtualPlace*> siteOf;

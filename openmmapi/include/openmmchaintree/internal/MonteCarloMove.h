@@ -8,6 +8,8 @@
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
+#include <algorithm>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <string>
@@ -223,6 +225,10 @@ public:
     {
         return scales;
     }
+    bool hasEqualScales() const
+    {
+        return std::adjacent_find(scales.begin(), scales.end(), std::not_equal_to<double>()) == scales.end();
+    }
     void setScales(const std::vector<double>& scales)
     {
         this->scales = scales;
@@ -230,8 +236,8 @@ public:
 
 protected:
     /**
-     * Set the number of classes when the move is bound. Scales that are all equal are those of all classes; otherwise
-     * it is an error if their number is another.
+     * Set the number of classes when the move is bound. Scales that are all equal become the scales of all classes;
+     * otherwise it is an error if their number is another.
      *
      * @param name  the name of this move in error messages
      */
