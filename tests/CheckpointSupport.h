@@ -122,4 +122,24 @@ inline State writeAndRead(const Context& context, bool enforcePeriodicBox = fals
         State::Positions | State::Velocities | State::Parameters | State::IntegratorParameters, enforcePeriodicBox)));
 }
 
+/**
+ * What copies of a Context were made from.
+ */
+class WrittenContext {
+public:
+    explicit WrittenContext(Context& context) :
+        xml(toXml(context.getState(State::Positions | State::Parameters | State::IntegratorParameters)))
+    {
+        stringstream stream;
+        context.createCheckpoint(stream);
+        checkpoint = stream.str();
+    }
+    void loadCheckpoint(Context& context) const
+    {
+        stringstream stream(checkpoint);
+        context.loadCheckpoint(stream);
+    }
+    string checkpoint, xml;
+};
+
 #endif /*OPENMM_CHAINTREE_CHECKPOINTSUPPORT_H_*/

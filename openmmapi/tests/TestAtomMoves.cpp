@@ -3,6 +3,7 @@
  * checkpoints, States and XML hold all of it.
  */
 
+#include "CheckpointSupport.h"
 #include "openmm/CustomExternalForce.h"
 #include "openmm/HarmonicAngleForce.h"
 #include "openmm/HarmonicBondForce.h"
@@ -309,7 +310,7 @@ static void testErrors(Platform& platform)
     ASSERT_EQUAL(1, integrator.getNumMoves());
     integrator.step(1);
 
-    // Those of a flexible one remain so.
+    // A flexible Context stays flexible.
 
     TorsionMonteCarloIntegrator second(300);
     second.addAtomMove(0, 0.01);
@@ -530,13 +531,9 @@ static void testContinuation(Platform& platform, bool hasOuterTests)
     }
     contexts[0]->setPositions(runs[0]->positions);
     runs[0]->integrator.step(60);
-    stringstream checkpoint, xml;
-    contexts[0]->createCheckpoint(checkpoint);
-    State state = contexts[0]->getState(State::Positions | State::Parameters | State::IntegratorParameters);
-    XmlSerializer::serialize<State>(&state, "State", xml);
-    contexts[1]->loadCheckpoint(checkpoint);
-    unique_ptr<State> read(XmlSerializer::deserialize<State>(xml));
-    contexts[2]->setState(*read);
+    const WrittenContext written(*contexts[0]);
+    written.loadCheckpoint(*contexts[1]);
+    contexts[2]->setState(fromXml(written.xml));
     for (auto& run : runs)
         run->integrator.step(60);
     for (int i : {1, 2}) {
@@ -564,9 +561,8 @@ static void testContinuation(Platform& platform, bool hasOuterTests)
     rigid.integrator.removeMove(0);
     Context unlike(rigid.system, rigid.integrator, platform);
     unlike.setPositions(rigid.positions);
-    checkpoint.seekg(0);
     assertThrows("or only one of the two uses periodic boundary conditions or has atom moves", [&] {
-        unlike.loadCheckpoint(checkpoint);
+        written.loadCheckpoint(unlike);
     });
 }
 

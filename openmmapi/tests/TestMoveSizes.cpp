@@ -2,6 +2,7 @@
  * This tests that the sizes of moves adapt to an acceptance, when they do, and how their scales are kept.
  */
 
+#include "CheckpointSupport.h"
 #include "openmm/CustomExternalForce.h"
 #include "openmm/serialization/XmlSerializer.h"
 #include "openmmchaintree/internal/SizeAdaptation.h"
@@ -147,13 +148,9 @@ static void testGoingOn(Platform& platform, bool hasOuterTests)
     }
     contexts[0]->setPositions(crowds[0]->positions);
     crowds[0]->integrator.step(10);
-    stringstream checkpoint, xml;
-    contexts[0]->createCheckpoint(checkpoint);
-    State state = contexts[0]->getState(State::Positions | State::Parameters | State::IntegratorParameters);
-    XmlSerializer::serialize<State>(&state, "State", xml);
-    contexts[1]->loadCheckpoint(checkpoint);
-    unique_ptr<State> read(XmlSerializer::deserialize<State>(xml));
-    contexts[2]->setState(*read);
+    const WrittenContext written(*contexts[0]);
+    written.loadCheckpoint(*contexts[1]);
+    contexts[2]->setState(fromXml(written.xml));
     for (auto& crowd : crowds)
         crowd->integrator.step(25);
     ASSERT(crowds[0]->integrator.getMoveScale(0) < 1);
@@ -169,13 +166,11 @@ static void testGoingOn(Platform& platform, bool hasOuterTests)
 
     // A State from before there were scales.
 
-    string text = xml.str();
+    string text = written.xml;
     text[text.find("version=\"4\"", text.find("<IntegratorParameters")) + 9] = '3';
     for (size_t at; (at = text.find(" scale=\"")) != string::npos;)
         text.erase(at, text.find('"', at + 8) + 1 - at);
-    stringstream former(text);
-    unique_ptr<State> formerState(XmlSerializer::deserialize<State>(former));
-    contexts[1]->setState(*formerState);
+    contexts[1]->setState(fromXml(text));
     ASSERT_EQUAL(1, crowds[1]->integrator.getMoveScale(0));
 }
 
