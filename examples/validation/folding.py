@@ -225,7 +225,7 @@ def readRange(text):
 
 
 def parse(arguments):
-    """Return the options; those of `sample` are in `others`."""
+    """Return the options; `others` holds the options of `sample`."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     actions = parser.add_subparsers(required=True, metavar="start, run or report")
 

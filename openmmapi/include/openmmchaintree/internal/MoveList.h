@@ -37,7 +37,7 @@ public:
         std::unique_ptr<MonteCarloMove> move;
         double weight;
         Counts counts;
-        /** The adaptation of each class of sizes; those of classes at the end that have had no trial are missing. */
+        /** The adaptation of each class of sizes; it ends with the last class that has had a trial. */
         std::vector<SizeAdaptation> adaptations;
         /**
          * Adapt the size of the move, for trials of the class of the last one, to the result of that trial.

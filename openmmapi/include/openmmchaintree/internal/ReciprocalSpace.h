@@ -14,7 +14,7 @@ namespace ChainTreePlugin {
 
 /**
  * The energy of a NonbondedForce in the reciprocal space of Ewald summation or PME, which OpenMM evaluates in an inner
- * Context that has nothing but its charges. Alpha and the grid are those of the Force in the outer Context.
+ * Context that has nothing but its charges. It takes alpha and the grid from the Force in the outer Context.
  *
  * The CPU platform evaluates PME for a Context of the Reference platform, too, if it uses the same grid: it is much
  * faster, and its single precision changes the energy by a millionth. Other Contexts are linked to the outer one. On

@@ -36,7 +36,7 @@ public:
     /**
      * Compute the position of the site.
      *
-     * @param positions  those of getParticles(); there may be more
+     * @param positions  where getParticles() are; there may be more
      */
     OpenMM::Vec3 compute(const std::vector<OpenMM::Vec3>& positions) const;
 
