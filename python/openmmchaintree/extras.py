@@ -1,19 +1,24 @@
-"""Packages that only some calls need, and that are imported when they are needed."""
+"""Packages that only some calls need: they are imported late, and an error says which extra has them."""
 
 import importlib
 
 
-def importExtra(module, purpose):
+def importExtra(module, purpose, raising=ImportError):
     """Import and return a module of a package that the package's core does without.
 
     Raises
     ------
-    ImportError
+    ImportError, or the exception class `raising`
         if it cannot be imported; the message says why it is needed, and how to install it
     """
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        package = module.partition(".")[0]
-        reason = f"{purpose} needs {package}, which cannot be imported ({error}): pip install {package}"
-        raise ImportError(reason) from None
+        raise raising(adviceOn(module, purpose, error)) from None
+
+
+def adviceOn(module, purpose, error):
+    """Return the sentence that says why a module is needed, why it cannot be imported, and how to install it."""
+    package = module.partition(".")[0]
+    extra = "cluster" if package in ("dask", "distributed") else "tools"
+    return f"{purpose} needs {package}, which cannot be imported ({error}): pip install 'openmm-chaintree[{extra}]'"

@@ -12,10 +12,17 @@ _BAD_INSTALLATION = 2
 def main():
     """Run the command; return its exit status."""
     try:
+        from openmmchaintree.extras import adviceOn
+    except ImportError as error:
+        return _refuse(error)
+    try:
         from openmmchaintree.command.cli import main as run
 
         return run()
     except ImportError as error:
-        advice = f": pip install {error.name}" if isinstance(error, ModuleNotFoundError) else ""
-        print(f"openmm-chaintree: {error}{advice}", file=sys.stderr)
-        return _BAD_INSTALLATION
+        return _refuse(error if error.name is None else adviceOn(error.name, "the command", error))
+
+
+def _refuse(reason):
+    print(f"openmm-chaintree: {reason}", file=sys.stderr)
+    return _BAD_INSTALLATION

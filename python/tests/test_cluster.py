@@ -246,7 +246,8 @@ def test_noDask(runHere, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     files = filesIn(tmp_path)
     result = runHere("sample", *OPTIONS, "--scheduler", "tcp://127.0.0.1:1")
-    assertRefused(result, tmp_path, files, "--scheduler needs Dask distributed (pip install distributed)")
+    advice = "pip install 'openmm-chaintree[cluster]'"
+    assertRefused(result, tmp_path, files, "--scheduler needs distributed, which cannot be imported", advice)
 
 
 def test_schedulerNeedsReplicas(runHere, tmp_path):

@@ -1,12 +1,20 @@
 """Which module may import which: the command, replicas, structures, and the core below them, which needs least."""
 
 import ast
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
 import openmmchaintree
 import pytest
+from openmmchaintree.errors import InputError
+from openmmchaintree.structures.trajectory import Trajectory
 
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
@@ -150,18 +158,47 @@ def test_aMissingPackageIsNamed(tmp_path, package, call, reason):
     result = runWithout((package,), program, tmp_path)
     (*_, message) = result.stderr.splitlines()
     assert message.startswith(f"ImportError: {reason}")
-    assert message.endswith(f"(No module named '{package}'): pip install {package}")
+    assert message.endswith(f"(No module named '{package}'): pip install 'openmm-chaintree[tools]'")
 
 
 @pytest.mark.parametrize(
-    "package, words, message",
+    "package, words, needing",
     [
-        ("gemmi", "sample", "reading structure files needs gemmi, which cannot be imported (No module named 'gemmi')"),
-        ("matplotlib", "clashes --picture a.png", "No module named 'matplotlib'"),
+        ("gemmi", "sample", "reading structure files"),
+        ("rich", "sample", "the command"),
+        ("matplotlib", "clashes --picture a.png", "the command"),
     ],
 )
-def test_theCommandNamesAMissingPackage(tmp_path, package, words, message):
+def test_theCommandNamesAMissingPackage(tmp_path, package, words, needing):
     program = f"from openmmchaintree_command import main; sys.argv[1:] = {words.split()!r}; sys.exit(main())"
     result = runWithout((package,), program, tmp_path)
     assert result.returncode == 2
-    assert result.stderr == f"openmm-chaintree: {message}: pip install {package}\n"
+    assert result.stderr == (
+        f"openmm-chaintree: {needing} needs {package}, which cannot be imported (No module named '{package}'): "
+        "pip install 'openmm-chaintree[tools]'\n"
+    )
+
+
+def test_aTrajectoryWithoutMDTraj(tmp_path, monkeypatch):
+    (tmp_path / "a.dcd").write_bytes(b"a trajectory")
+    monkeypatch.setitem(sys.modules, "mdtraj", None)
+    with pytest.raises(InputError, match=r"a\.dcd: reading trajectories needs mdtraj, .*'openmm-chaintree\[tools\]'$"):
+        Trajectory(tmp_path / "a.dcd")
+
+
+def requirements(table, names):
+    """Return the requirements in some lists of a table of pyproject.toml, without the inclusion of other lists."""
+    listed = [entry for name in names for entry in table[name] if isinstance(entry, str)]
+    return {entry for entry in listed if not entry.startswith("openmm-chaintree[")}
+
+
+def test_anExtraHasEachPackage():
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
+    extras = requirements(project["project"]["optional-dependencies"], ("tools", "cluster"))
+    assert extras <= requirements(project["dependency-groups"], ("tools",))
+    assert project["tool"]["scikit-build"]["metadata"]["dependencies"]["others"] == ["numpy"]
+    names = {re.match("[A-Za-z0-9-]+", entry)[0].lower().replace("-", "_") for entry in extras}
+    imported = set()
+    for path, module in _MODULES.items():
+        imported |= importsOf(path, module)[1] | set(re.findall(r'importExtra\(\s*"(\w+)', path.read_text()))
+    assert imported - _NEEDED - {package for _, package in _OPTIONAL} == names

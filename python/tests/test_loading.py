@@ -113,4 +113,7 @@ def test_sourceThatWasNotBuilt(site):
 
 def test_aPackageThatIsNeededIsMissing(site):
     replace(site / "rich" / "__init__.py", "raise ModuleNotFoundError(\"No module named 'rich'\", name='rich')")
-    assert commandError(site) == "openmm-chaintree: No module named 'rich': pip install rich\n"
+    assert commandError(site) == (
+        "openmm-chaintree: the command needs rich, which cannot be imported (No module named 'rich'): "
+        "pip install 'openmm-chaintree[tools]'\n"
+    )

@@ -12,6 +12,7 @@ import openmm
 
 from .. import __version__
 from ..errors import ClusterError, InputError, firstLine
+from ..extras import importExtra
 from .segment import runSegment
 
 _CONNECT_SECONDS = 10
@@ -49,10 +50,7 @@ class Cluster:
         ClusterError
             if it has no workers, or one with another version
         """
-        try:
-            from distributed import Client
-        except ImportError as error:
-            raise InputError(f"--scheduler needs Dask distributed (pip install distributed): {error}") from error
+        Client = importExtra("distributed", "--scheduler", raising=InputError).Client
         # Errors are reported once, in our words.
         logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
         self.address = address

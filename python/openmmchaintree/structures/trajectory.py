@@ -12,6 +12,7 @@ if sys.platform == "linux":
     import fcntl
 
 from ..errors import InputError
+from ..extras import importExtra
 from ..images import isBox
 
 _FORMATS = (".dcd", ".xtc")
@@ -60,8 +61,8 @@ class Trajectory:
                     raise InputError(f"{path}: is empty")
         except OSError as error:
             raise InputError(f"{path}: {error.strerror}") from error
-        if importlib.util.find_spec("mdtraj") is None:
-            raise InputError(f"{path}: reading trajectories needs MDTraj (pip install mdtraj)")
+        if importlib.util.find_spec("mdtraj") is None:  # only the reading process imports it
+            importExtra("mdtraj", f"{path}: reading trajectories", raising=InputError)
         self._process = subprocess.Popen(
             [sys.executable, str(_READER), str(path)],
             stdin=subprocess.PIPE,
