@@ -17,6 +17,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "breathe",
+    "sphinx_argparse_cli",
     "sphinx_copybutton",
     # docs/site
     "headers",

@@ -19,7 +19,7 @@ PROJECT = Path(__file__).parents[1]
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """The folder of the site."""
-    for module in ("sphinx", "myst_parser", "breathe", "furo", "sphinx_copybutton"):
+    for module in ("sphinx", "myst_parser", "breathe", "furo", "sphinx_argparse_cli", "sphinx_copybutton"):
         pytest.importorskip(module, reason="the group docs of pyproject.toml is not installed")
     if shutil.which("doxygen") is None:
         pytest.skip("doxygen is not installed")
@@ -80,6 +80,19 @@ def test_everyPublicNameIsThere(site):
         members = (name for name in vars(getattr(openmmchaintree, owner)) if name[0] != "_" and name != "thisown")
         missing += [name for member in members if (name := f"openmmchaintree.{owner}.{member}") not in names]
     assert not missing
+
+
+@pytest.mark.parametrize("command", ["sample", "clashes"])
+def test_thePageOfTheCommandHasEveryOptionOfItsHelp(site, command):
+    call = [sys.executable, "-m", "openmmchaintree", command, "--help"]
+    shown = subprocess.run(call, capture_output=True, text=True, check=True).stdout
+    options, _, examples = shown.partition("In a force field, with implicit solvent:")
+    named = set(re.findall(r"^  (?:-\w(?: \w+)?, )?(--[\w-]+)", options, re.MULTILINE))
+    assert len(named) > 10
+    page = site / "command.html"
+    assert {f"openmm-chaintree-{command}-{option}" for option in named} <= Page(page).names
+    text = html.unescape(re.sub(r"<[^>]+>", "", page.read_text(encoding="utf-8")))
+    assert examples.strip() in text
 
 
 def test_resultsStandUnderReturns(site):

@@ -103,37 +103,38 @@ def addArguments(sample):
     addOverwrite(sample)
     addNotes(sample)
     addConfig(sample)
-    addEnergyOptions(sample)
-    addReplicaOptions(sample)
-    sample.add_argument(
+    addEnergyOptions(sample.add_argument_group("force field"))
+    addReplicaOptions(sample.add_argument_group("replicas"))
+    moving = sample.add_argument_group("what moves")
+    moving.add_argument(
         "--torsions",
         type=listOf(KIND_WORDS),
         metavar="KINDS",
         help=f"kinds of rotating torsions, separated by commas, from {', '.join(KIND_WORDS)} (default: "
         f"{','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds outside rings)",
     )
-    sample.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as those of a ligand")
-    sample.add_argument(
+    moving.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as those of a ligand")
+    moving.add_argument(
         "--unknown-radius",
         type=numberIn(0, 1),
         metavar="NM",
         help="the radius of atoms of elements without a known radius, such as 0.2 for boron (default: an error)",
     )
-    sample.add_argument("--move", metavar="SELECTION", help="atoms whose torsions rotate (default: all); see below")
-    sample.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
-    sample.add_argument(
+    moving.add_argument("--move", metavar="SELECTION", help="atoms whose torsions rotate (default: all); see below")
+    moving.add_argument("--fix", metavar="SELECTION", help="atoms that never move (default: none); see below")
+    moving.add_argument(
         "--rigid-bodies",
         action="store_true",
         help="also move whole molecules: all except molecules with atoms selected by --fix, and fragments at gaps in a "
         "chain; with --move, only molecules with selected atoms",
     )
-    sample.add_argument(
+    moving.add_argument(
         "--cut-disulfides", action="store_true", help="cut disulfides, so that torsions between them rotate"
     )
-    sample.add_argument(
+    moving.add_argument(
         "--cut-metals", action="store_true", help="cut bonds of metals, so that the torsions between them rotate"
     )
-    sample.add_argument(
+    moving.add_argument(
         "--close",
         type=listOf((DISULFIDES, LOOPS, _NONE)),
         metavar="WHAT",
@@ -141,7 +142,7 @@ def addArguments(sample):
         f"between parts fixed by --fix, with closed moves, which keep the bonds; or {_NONE} "
         f"(default: {DISULFIDES} in a force field, unless they are cut, else {_NONE})",
     )
-    sample.add_argument(
+    moving.add_argument(
         "--allow-unbonded",
         action="store_true",
         help="continue even if moves can separate atoms at bonding distance that are not bonded",
