@@ -76,7 +76,7 @@ def findClashes(
         a PDB, mmCIF or BinaryCIF file, plain or compressed. Of alternate conformers, the one of highest occupancy is
         used.
     trajectory : str or Path, optional
-        a DCD or XTC file with the same atoms, searched instead of the models of the structure
+        a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the same atoms, searched instead of the models of the structure
     radii : str, optional
         "all-atom" or "united-atom". Default: "all-atom" for molecules that show their hydrogens, "united-atom" for
         others.

@@ -142,7 +142,7 @@ def test_theReaderEndsIfTheStructureIsDamaged(tmp_path, villin, frames, monkeypa
     assert [reader.poll() is not None for reader in readers] == [True]
 
 
-@pytest.mark.parametrize("name", ["text.dcd", "text.xtc"])
+@pytest.mark.parametrize("name", ["text.dcd", "text.xtc", "text.trr", "text.nc", "text.h5"])
 def test_noTrajectoryAtAll(tmp_path, structure, name):
     path = tmp_path / name
     path.write_text("not a trajectory\n" * 1000)
@@ -151,9 +151,10 @@ def test_noTrajectoryAtAll(tmp_path, structure, name):
 
 
 def test_unknownFormat(tmp_path, structure):
-    (tmp_path / "run.trr").write_text("")
-    message, _ = damageIn(structure, tmp_path / "run.trr")
-    assert message.endswith("run.trr: is not named as a trajectory of a known format (.dcd, .xtc)")
+    (tmp_path / "run.mdcrd").write_text("")
+    message, _ = damageIn(structure, tmp_path / "run.mdcrd")
+    known = ".dcd, .xtc, .trr, .nc, .ncdf, .netcdf, .h5, .hdf5"
+    assert message.endswith(f"run.mdcrd: is not named as a trajectory of a known format ({known})")
     assert damageIn(structure, tmp_path / "none.dcd")[0].endswith("none.dcd: No such file or directory")
 
 

@@ -31,7 +31,9 @@ def addArguments(clashes):
     clashes.set_defaults(run=_run)
     addStructure(clashes)
     clashes.add_argument(
-        "trajectory", nargs="?", help="a DCD or XTC file with the atoms of the structure, used instead of its models"
+        "trajectory",
+        nargs="?",
+        help="a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the atoms of the structure, used instead of its models",
     )
     clashes.add_argument("--water", action="store_true", help="include water")
     clashes.add_argument("--ions", action="store_true", help="include ions")

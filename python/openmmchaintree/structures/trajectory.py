@@ -1,4 +1,4 @@
-"""Reading trajectories, DCD and XTC, frame by frame."""
+"""Reading trajectories frame by frame."""
 
 import importlib.util
 import os
@@ -14,8 +14,7 @@ if sys.platform == "linux":
 from ..errors import InputError
 from ..extras import importExtra
 from ..images import isBox
-
-_FORMATS = (".dcd", ".xtc")
+from .trajectoryreader import KINDS
 
 # Run by its path, not as a module of the package, so that it does not import OpenMM.
 _READER = Path(__file__).with_name("trajectoryreader.py")
@@ -53,8 +52,8 @@ class Trajectory:
             if the file cannot be opened, or its name is not that of a trajectory
         """
         self.path = Path(path)
-        if self.path.suffix.lower() not in _FORMATS:
-            raise InputError(f"{path}: is not named as a trajectory of a known format ({', '.join(_FORMATS)})")
+        if self.path.suffix.lower() not in KINDS:
+            raise InputError(f"{path}: is not named as a trajectory of a known format ({', '.join(KINDS)})")
         try:
             with open(path, "rb") as file:
                 if not file.read(1):

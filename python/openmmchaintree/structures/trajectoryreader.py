@@ -1,4 +1,4 @@
-"""Reads the trajectory that its argument names, with MDTraj, and writes the frames to standard output.
+"""Reads the trajectory that its argument names and writes the frames to standard output.
 
 This is a separate program, so that a damaged file cannot harm the calling process: the C code that reads these formats
 may crash, and prints messages. The program writes pickles. The first is the number of frames in the file's header, the
@@ -8,6 +8,7 @@ The answer has for each frame the positions as a float32 array in that unit and 
 nm (None without a box), and at the end a description of the damage in words, or None.
 """
 
+import importlib
 import os
 import pickle
 import struct
@@ -30,15 +31,18 @@ def main(path):
 
 def _answer(path, output):
     """Write the counts, then the requested frames."""
+    suffix = path.suffix.lower()
+    name, package, module, reader, boxOf = KINDS[suffix]
     try:
-        from mdtraj.formats import DCDTrajectoryFile, XTCTrajectoryFile
+        Reader = getattr(importlib.import_module(module), reader)
     except ImportError as error:
-        return _refuse(output, f"MDTraj, which reads it, cannot be imported ({error})")
-    isDCD = path.suffix.lower() == ".dcd"
+        reason = f"{package}, which reads it, cannot be imported ({error}): pip install {package.lower()}"
+        return _refuse(output, reason)
+    isDCD = suffix == ".dcd"
     try:
-        file = (DCDTrajectoryFile if isDCD else XTCTrajectoryFile)(str(path))
+        file = Reader(str(path))
     except Exception:
-        return _refuse(output, f"{'not a DCD' if isDCD else 'not an XTC'} file, or damaged at its start")
+        return _refuse(output, f"not {name} file, or damaged at its start")
     with file:
         header = _DCDHeader(path) if isDCD else None
         count = _length(file)
@@ -50,7 +54,7 @@ def _answer(path, output):
             if begin != place:
                 file.seek(begin)
             place = None  # after a damaged frame, the position in the file is unknown
-            damage, place = _writeFrames(file, header, count, begin, end, output)
+            damage, place = _writeFrames(file, boxOf, header, count, begin, end, output)
             _write(damage, output)
 
 
@@ -65,7 +69,7 @@ def _write(content, output):
     output.flush()
 
 
-def _writeFrames(file, header, count, begin, end, output):
+def _writeFrames(file, boxOf, header, count, begin, end, output):
     """Write frames begin to end - 1, or to the last for -1; return the damage or None, and the next frame."""
     isDCD = header is not None
     index = begin
@@ -76,8 +80,7 @@ def _writeFrames(file, header, count, begin, end, output):
             return f"frame {index} (from 0) is damaged", None
         if len(positions) == 0:
             break
-        box = (_boxOfDCD if isDCD else _boxOfXTC)(*others)
-        _write((positions[0], box), output)
+        _write((positions[0], boxOf(*others)), output)
         index += 1
     if index < end or isDCD and end == -1 and index < count:
         return f"frame {index} (from 0) is damaged", None
@@ -86,7 +89,7 @@ def _writeFrames(file, header, count, begin, end, output):
     return (None if index > 0 else "there are no frames"), index
 
 
-def _boxOfDCD(lengths, angles):
+def _boxOfAngstroms(lengths, angles):
     """Return the box of the frame that was read, or None; some programs write zeros if there is none."""
     if lengths is None or angles is None or not (np.all(lengths > 0) and np.all(angles > 0)):
         return None
@@ -96,14 +99,22 @@ def _boxOfDCD(lengths, angles):
     return np.array(vectors)
 
 
-def _boxOfXTC(times, steps, boxes):
+def _boxOfNetCDF(times, lengths, angles):
+    return _boxOfAngstroms(lengths, angles)
+
+
+def _boxOfGromacs(times, steps, boxes, *others):
     return None if boxes is None else boxes[0].astype("float64")
+
+
+def _boxOfHDF5(lengths, angles):
+    return _boxOfAngstroms(None if lengths is None else 10 * lengths, angles)
 
 
 def _length(file):
     try:
         return len(file)
-    except Exception:  # of an XTC file in which the header of a frame is damaged
+    except Exception:  # of an XTC or TRR file in which the header of a frame is damaged
         return None
 
 
@@ -140,6 +151,22 @@ class _DCDHeader:
                 records += 1
         return position == size and (records - self._recordsBefore) % self._recordsInAFrame == 0
 
+
+# For each suffix: the kind of file with its article, the package that reads it, the module and name of the reader, and
+# the function that returns the box from what the reader returns in addition to positions.
+_OF_MDTRAJ = "MDTraj", "mdtraj.formats"
+_NETCDF = "a NetCDF", *_OF_MDTRAJ, "NetCDFTrajectoryFile", _boxOfNetCDF
+_HDF5 = "an HDF5", "h5py", "hdf5trajectory", "HDF5TrajectoryFile", _boxOfHDF5
+KINDS = {
+    ".dcd": ("a DCD", *_OF_MDTRAJ, "DCDTrajectoryFile", _boxOfAngstroms),
+    ".xtc": ("an XTC", *_OF_MDTRAJ, "XTCTrajectoryFile", _boxOfGromacs),
+    ".trr": ("a TRR", *_OF_MDTRAJ, "TRRTrajectoryFile", _boxOfGromacs),
+    ".nc": _NETCDF,
+    ".ncdf": _NETCDF,
+    ".netcdf": _NETCDF,
+    ".h5": _HDF5,
+    ".hdf5": _HDF5,
+}
 
 if __name__ == "__main__":
     main(sys.argv[1])
