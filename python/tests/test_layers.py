@@ -1,4 +1,4 @@
-"""Which module may import which: the command, replicas, structures, and the core below them, which needs least."""
+"""Which module may import which: the command, replicas, statistics, structures; the core below needs least."""
 
 import ast
 import re
@@ -19,7 +19,7 @@ from openmmchaintree.structures.trajectory import Trajectory
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
 # From the bottom up. The core is all modules that lie in no folder.
-_LAYERS = ("", "structures", "replicas", "command")
+_LAYERS = ("", "structures", "statistics", "replicas", "command")
 _MODULES = {
     path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
     for path in _PACKAGE.rglob("*.py")
@@ -34,7 +34,8 @@ _NEEDED = {"openmm", "numpy", "openmmchaintree_forcefield", *sys.stdlib_module_n
 _OPTIONAL = {("openmmtoolsmove", "openmmtools")}
 
 _BLOCKED = (
-    "biotite", "dask", "distributed", "gemmi", "matplotlib", "mdtraj", "msgpack", "rich", "scipy", "tomli", "tomli_w",
+    "biotite", "dask", "distributed", "gemmi", "matplotlib", "mdtraj", "msgpack", "pymbar", "rich", "scipy",
+    "tomli", "tomli_w",
 )  # fmt: skip
 
 
