@@ -21,6 +21,7 @@ extensions = [
     "sphinx_copybutton",
     # docs/site
     "headers",
+    "mathematics",
     "pythonreference",
     "repositorylinks",
     "tables",
@@ -41,8 +42,12 @@ copybutton_prompt_text = ">>> "
 
 # ---- Markdown ----
 
-myst_enable_extensions = ["colon_fence", "attrs_block"]
+myst_enable_extensions = ["colon_fence", "attrs_block", "dollarmath"]
 myst_heading_anchors = 4
+
+# ---- Formulas ----
+
+html_math_renderer = "mathml"
 
 # ---- Python ----
 

@@ -14,12 +14,14 @@ import openmmchaintree
 import pytest
 
 PROJECT = Path(__file__).parents[1]
+# Of the group docs of pyproject.toml.
+MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_argparse_cli", "sphinx_copybutton", "latex2mathml")
 
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     """The folder of the site."""
-    for module in ("sphinx", "myst_parser", "breathe", "furo", "sphinx_argparse_cli", "sphinx_copybutton"):
+    for module in MODULES:
         pytest.importorskip(module, reason="the group docs of pyproject.toml is not installed")
     if shutil.which("doxygen") is None:
         pytest.skip("doxygen is not installed")
@@ -93,6 +95,15 @@ def test_thePageOfTheCommandHasEveryOptionOfItsHelp(site, command):
     assert {f"openmm-chaintree-{command}-{option}" for option in named} <= Page(page).names
     text = html.unescape(re.sub(r"<[^>]+>", "", page.read_text(encoding="utf-8")))
     assert examples.strip() in text
+
+
+def test_formulasAreTypeset(site):
+    for name in ("theory", "moves", "energies"):
+        text = (site / f"{name}.html").read_text(encoding="utf-8")
+        formulas = re.findall(r"<math.*?</math>", text, re.DOTALL)
+        assert len(formulas) > 20
+        rest = re.sub(r"<(math|code|pre|script).*?</\1>", "", text, flags=re.DOTALL)
+        assert "$" not in rest and not re.search(r"\\[a-zA-Z]|exp\(", rest)
 
 
 def test_resultsStandUnderReturns(site):
