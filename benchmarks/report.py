@@ -197,9 +197,9 @@ class Table(NamedTuple):
 
     def markdown(self):
         """Return it as Markdown."""
-        marks = ["---" if number < self.words else "---:" for number in range(len(self.columns))]
-        lines = [f"| {' | '.join(cells)} |" for cells in (self.columns, marks, *self.rows)]
-        return "\n".join([f"**{self.heading}**\n", *lines, *(f"\n{note}" for note in self.notes)])
+        marks = "".join("---|" if number < self.words else "---:|" for number in range(len(self.columns)))
+        head, *lines = [f"| {' | '.join(cells)} |" for cells in (self.columns, *self.rows)]
+        return "\n".join([f"**{self.heading}**\n", head, f"|{marks}", *lines, *(f"\n{note}" for note in self.notes)])
 
 
 def tabulate(heading, rows, columns, words, *notes):
