@@ -36,6 +36,7 @@ from .openmmchaintree import (  # noqa: E402
 from .ownclasses import registerClasses  # noqa: E402
 from .replicaexchange import ParallelReplicaExchangeSampler  # noqa: E402
 from .reporter import ClashError, ClashReporter  # noqa: E402
+from .samplereporter import SampleReporter  # noqa: E402
 from .selection import selectAtoms  # noqa: E402
 from .sterics import createStericExclusionForce  # noqa: E402
 from .systemtopology import createTopology  # noqa: E402
@@ -62,6 +63,7 @@ __all__ = [
     "OuterStatistics",
     "ParallelReplicaExchangeSampler",
     "PlannedEnergy",
+    "SampleReporter",
     "StageStatistics",
     "StericExclusionForce",
     "Torsion",

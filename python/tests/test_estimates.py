@@ -44,7 +44,7 @@ def test_timeAndErrorOfAR1(time):
 def test_independentChainsShareTheirMean():
     chains = autoregressive(5, (4, 3000))
     together = estimate(list(chains))
-    assert together.count == 12000 and together.verdict is None and together.rhat < 1.02
+    assert together.length == 12000 and together.verdict is None and together.rhat < 1.02
     assert together.autocorrelationTime == pytest.approx(5, rel=0.2)
     assert together.mean == pytest.approx(chains.mean())
     chains[0] += 3

@@ -82,6 +82,8 @@ atom: str = findClashes("a.pdb", "a.dcd")[0].clashes[0].atom1.residue
 findClashes("a.pdb", 3)  # wrong
 ClashReporter("a.csv", 100, maxOverlap=0.1 * unit.nanometer)
 ClashReporter("a.csv", "100")  # wrong
+SampleReporter("a.csv", 100, reference=context.getState(positions=True).getPositions(asNumpy=True))
+SampleReporter("a.csv", "100")  # wrong
 """
 
 
@@ -184,7 +186,7 @@ def test_mistakesAreFound(tmp_path):
     result = mypy(tmp_path, "--strict", "program.py")
     lines = [number for number, line in enumerate(_PROGRAM.splitlines(), start=1) if line.endswith("# wrong")]
     found = sorted({int(number) for number in re.findall(r"^program\.py:(\d+): error", result.stdout, re.MULTILINE)})
-    assert found == lines and len(lines) == 15, result.stdout
+    assert found == lines and len(lines) == 16, result.stdout
 
 
 def test_thePackageHasNoTypeErrors(tmp_path):

@@ -22,9 +22,9 @@ class Estimate(NamedTuple):
 
     mean, standardError : float, in the unit of the series; None if they are not defined
     autocorrelationTime : float, the integrated one, τ = Σ C(t), t > 0, in steps of the series
-    effectiveSampleSize : float, count / (1 + 2 τ); 0 for a constant
+    effectiveSampleSize : float, length / (1 + 2 τ); 0 for a constant
     rhat : float, of halves of all chains, see `splitRhat`
-    count : int, of values
+    length : int, the number of values
     verdict : str, why the mean should not be quoted; None if it may
     """
 
@@ -33,7 +33,7 @@ class Estimate(NamedTuple):
     autocorrelationTime: float | None
     effectiveSampleSize: float | None
     rhat: float | None
-    count: int
+    length: int
     verdict: str | None
 
 
