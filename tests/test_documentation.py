@@ -6,14 +6,18 @@ import re
 import shutil
 import subprocess
 import sys
+import threading
+from functools import partial
 from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import quote, unquote, urlsplit
 
 import openmmchaintree
 import pytest
 
 PROJECT = Path(__file__).parents[1]
+BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 # Of the group docs of pyproject.toml.
 MODULES = ("sphinx", "myst_parser", "breathe", "furo", "sphinx_argparse_cli", "sphinx_copybutton", "latex2mathml")
 
@@ -73,6 +77,46 @@ def test_nothingIsTakenFromOtherSites(site):
         taken = re.findall(r'<(?:script|img|iframe)[^>]*\ssrc="(https?:[^"]*)"', text)
         taken += re.findall(r'<link[^>]*rel="(?:stylesheet|preload)"[^>]*href="(https?:[^"]*)"', text)
         assert not taken, path
+
+
+@pytest.fixture(scope="module")
+def address(site):
+    """The address at which the site is served."""
+
+    class Quiet(SimpleHTTPRequestHandler):
+        def log_message(self, *arguments):
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Quiet, directory=site)) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+@pytest.mark.parametrize(
+    ("words", "page"),
+    [
+        ("Born radii", "energies.html"),
+        ("--add-hydrogens", "command.html#openmm-chaintree-sample---add-hydrogens"),
+        ("addClosedMove", "python-integrator.html#openmmchaintree.TorsionMonteCarloIntegrator.addClosedMove"),
+    ],
+)
+def test_aBrowserFindsWhatOneSearches(address, tmp_path, words, page):
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        pytest.skip(f"none of the browsers {', '.join(BROWSERS)} is installed")
+    options = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        f"--user-data-dir={tmp_path}",
+        "--virtual-time-budget=9000",
+    ]
+    command = [browser, *options, "--dump-dom", f"{address}/search.html?q={quote(words)}"]
+    shown = subprocess.run(command, capture_output=True, text=True, timeout=120).stdout
+    assert "Search finished, found" in shown
+    results = shown[shown.index('id="search-results"') :]
+    assert f'href="{page}"' in results
 
 
 def test_everyPublicNameIsThere(site):
