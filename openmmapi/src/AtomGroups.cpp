@@ -15,12 +15,14 @@ static const double LEAST_HEAVY_MASS = 4.5;
 AtomGroups::AtomGroups(const System& system, const StericExclusionForce& force, const LinkStructure& structure) :
     links(structure.getParticleLinks()), neighbors(links.size()), siteOf(links.size(), NULL), sitesBy(links.size())
 {
-    vector<bool> hasRadius(structure.getMolecules().size(), false);
+    vector<bool> canChoose(structure.getMolecules().size(), false);
     for (int i = 0; i < (int)links.size(); i++) {
         double radius;
         StericExclusionForce::HydrogenBondRole role;
         force.getParticleParameters(i, radius, role);
-        hasRadius[structure.getParticleMolecule(i)] = hasRadius[structure.getParticleMolecule(i)] || radius > 0;
+        const int molecule = structure.getParticleMolecule(i);
+        if (radius > 0 || links[i] != structure.getMolecules()[molecule].root)
+            canChoose[molecule] = true;
         masses.push_back(system.getParticleMass(i));
         if (system.isVirtualSite(i))
             sites.push_back(VirtualPlace(system, i));
@@ -28,7 +30,7 @@ AtomGroups::AtomGroups(const System& system, const StericExclusionForce& force, 
     for (int i = 0; i < (int)links.size(); i++) {
         const LinkStructure::Molecule& molecule = structure.getMolecules()[structure.getParticleMolecule(i)];
         isFixed.push_back(molecule.fixed && molecule.root == links[i]);
-        isModelled.push_back(hasRadius[structure.getParticleMolecule(i)]);
+        isDefault.push_back(canChoose[structure.getParticleMolecule(i)]);
     }
     for (const VirtualPlace& site : sites) {
         siteOf[site.getSite()] = &site;
@@ -97,7 +99,7 @@ vector<int> AtomGroups::findDefaults() const
 {
     vector<int> found;
     for (int i = 0; i < (int)units.size(); i++)
-        if (siteOf[i] == NULL && isModelled[i] && !isFixed[i])
+        if (siteOf[i] == NULL && isDefault[i] && !isFixed[i])
             found.push_back(i);
     return found;
 }

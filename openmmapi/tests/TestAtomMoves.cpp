@@ -109,13 +109,29 @@ static void testGroups(Platform& platform)
         ASSERT(find({5, 1}, true) == set<set<int>>({{1, 4, 5}, {5}}));
         ASSERT(find({5, 1}, false) == set<set<int>>({{1}, {5}}));
 
-        // What is in a molecule without a radius moves only if it is named. Others move even without a radius.
+        // What is in a molecule without a radius or a joint moves only if it is named. Others move even without a
+        // radius.
 
         molecule.force->setParticleParameters(6, 0);
         molecule.force->setParticleParameters(4, 0);
         ASSERT(find({}, false) == set<set<int>>({{0}, {1}, {2}, {3}, {4}, {5}}));
         ASSERT(find({6}, true) == set<set<int>>({{6}}));
     }
+
+    // Beads need no radius.
+
+    System chain;
+    StericExclusionForce* beads = new StericExclusionForce();
+    chain.addForce(beads);
+    for (int i = 0; i < 3; i++) {
+        chain.addParticle(100);
+        beads->addParticle(0);
+    }
+    for (int i = 0; i < 2; i++)
+        beads->addBond(i, i + 1);
+    beads->addBallJoint(1, 2);
+    ASSERT(findSets(platform, chain, {{0, 0, 0}, {0.38, 0, 0}, {0.38, 0.38, 0}}, {}, true) ==
+           set<set<int>>({{0}, {1}, {2}}));
 
     // Light particles of one kind are no hydrogens of each other.
 
@@ -269,7 +285,7 @@ static void testFixedParticles(Platform& platform)
     fixed.addForce(spheres);
     fixed.addParticle(0);
     spheres->addParticle(0.1);
-    assertThrows("move 0 displaces particles, but all are fixed, or in molecules without a radius", [&] {
+    assertThrows("move 0 displaces particles, but all are fixed, or in molecules without a radius or a joint", [&] {
         findSets(platform, fixed, {Vec3()}, {}, true);
     });
 }

@@ -774,8 +774,8 @@ public:
      * @param weight           how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxDisplacement  the largest displacement, at least 0, in nm
      * @param particles        the indices of the particles to choose from; if empty, all that can move in molecules
-     *                         with a particle that has a radius. In Python None means these, and an empty list is an
-     *                         error.
+     *                         with a radius, a torsion or a ball joint. In Python None means these, and an empty list
+     * is an error.
      * @param withHydrogens    whether hydrogens follow the particle to which they are bonded
      * @return the index of the move that was added
      */
@@ -907,7 +907,7 @@ public:
      * @param[out] weight           how often this move is drawn, relative to the weights of the others
      * @param[out] maxDisplacement  the largest displacement, in nm
      * @param[out] particles        the indices of the particles to choose from; empty (in Python None) if they are all
-     *                              that can move in molecules with a radius
+     *                              that can move in molecules with a radius or a joint
      * @param[out] withHydrogens    whether hydrogens follow the particle to which they are bonded
      */
     void getAtomMoveParameters(int move, double& weight, double& maxDisplacement, std::vector<int>& particles,
@@ -1038,8 +1038,8 @@ public:
      * @param weight           how often this move is drawn, relative to the weights of the others, at least 0
      * @param maxDisplacement  the largest displacement, at least 0, in nm
      * @param particles        the indices of the particles to choose from; if empty, all that can move in molecules
-     *                         with a particle that has a radius. In Python None means these, and an empty list is an
-     *                         error.
+     *                         with a radius, a torsion or a ball joint. In Python None means these, and an empty list
+     * is an error.
      * @param withHydrogens    whether hydrogens follow the particle to which they are bonded
      */
     void setAtomMoveParameters(int move, double weight, double maxDisplacement,

@@ -10,7 +10,7 @@ using namespace std;
 
 #define ATOM_MOVE(P)                                                                                                   \
     P(Length, maxDisplacement, "largest displacement")                                                                 \
-    P(Indices, particles, "all that can move, in molecules with a radius")                                             \
+    P(Indices, particles, "all that can move, in molecules with a radius or a joint")                                  \
     P(Flag, withHydrogens, "whether hydrogens follow")
 
 MOVE_PARAMETERS(AtomMove, ATOM_MOVE)
@@ -73,7 +73,8 @@ void AtomMove::bind(const LinkStructure& structure, const string& name)
         classes.push_back(found.back().group.stiffness);
     }
     if (found.empty())
-        throw OpenMMException(name + " displaces particles, but all are fixed, or in molecules without a radius");
+        throw OpenMMException(name +
+                              " displaces particles, but all are fixed, or in molecules without a radius or a joint");
     sort(classes.begin(), classes.end());
     classes.erase(unique(classes.begin(), classes.end()), classes.end());
     setNumSizeClasses(classes.size(), name);

@@ -40,8 +40,8 @@ public:
         std::pair<int, int> stiffness;
     };
     /**
-     * Get the particles that an atom move chooses from by default: all that can move, in molecules with a particle that
-     * has a radius.
+     * Get the particles that an atom move chooses from by default: all that can move, in molecules with a radius, a
+     * torsion or a ball joint.
      */
     std::vector<int> findDefaults() const;
     /**
@@ -65,8 +65,8 @@ private:
     void describe(Group& group) const;
     std::vector<double> masses;
     std::vector<int> links;
-    /** Whether each particle is in a link with a fixed particle; and whether it is in a molecule with a radius. */
-    std::vector<bool> isFixed, isModelled;
+    /** Whether each particle is in a link with a fixed particle; and whether its molecule has a radius or a joint. */
+    std::vector<bool> isFixed, isDefault;
     /** The particles bonded to each, by the bonds of the force and of its closures, without virtual sites. */
     std::vector<std::vector<int>> neighbors;
     /** The unit of each particle, and the particles of each unit. */
