@@ -1,4 +1,4 @@
-"""Settings of the documentation's site; README.md has the command that builds it."""
+"""Settings of the documentation's site; CONTRIBUTING.md has the command that builds it."""
 
 import sys
 from pathlib import Path

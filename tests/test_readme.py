@@ -1,24 +1,65 @@
-"""The examples of README.md work."""
+"""README.md is short, and its blocks of code run."""
 
 import re
+import shutil
 from pathlib import Path
 
 import openmm
 import openmm.app
+import pytest
 from openmm import unit
 from openmmchaintree import TorsionMonteCarloIntegrator
 from openmmchaintree.structures.structure import readStructure
+from pages import PROJECT, blocksOf, commandsOf, runCommand
 
-README = Path(__file__).parents[1] / "README.md"
+README = (PROJECT / "README.md").read_text(encoding="utf-8")
+PACKAGE_FILE = Path(openmm.app.__file__).parent / "data" / "test.pdb"  # the villin headpiece in water
+INSTALLED, TESTED, JOBS = re.findall(r"```sh\n(.*?)```", README, re.DOTALL)
+
+
+def test_itIsShort():
+    assert len(README.split()) <= 600
+
+
+def test_theFirstTwoBlocksAreOneCommandEach():
+    """.ci/run runs the second one, which runs this test; the first one ends with the command that runs below."""
+    assert INSTALLED.count("\n") == TESTED.count("\n") == 1
+    make, install, sample = INSTALLED.strip().split(" && ")
+    environment = make.removeprefix("python3 -m venv ")
+    assert install.startswith(f"{environment}/bin/pip install ") and sample.startswith(f"{environment}/bin/")
+    assert "cmake" in TESTED and "ctest" in TESTED
+
+
+def test_theFirstResultIsMade(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    command = INSTALLED.strip().split(" && ")[-1].split("/bin/")[1].split()
+    output = runCommand([*command, "--trials", "2000"], capsys)
+    assert "2,000 trials" in output and (tmp_path / "villin.png").exists()
+
+
+JOB_COMMANDS = commandsOf(JOBS)
+
+
+@pytest.mark.parametrize("words", JOB_COMMANDS, ids=range(1, len(JOB_COMMANDS) + 1))
+def test_theJobRuns(words, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(PACKAGE_FILE, tmp_path / "my.pdb")
+    few = ["--trials", "400", "--frames", "1", "-o", "few"] if words[1] == "sample" else []
+    if "--temperatures" in words:  # Contexts of twelve replicas take long
+        words[words.index("--temperatures") + 1] = "300:320:2"
+    output = runCommand([*words, *few], capsys)
+    assert "few.png" in output if few else "1,000 atoms" in output
 
 
 def test_theExamplesInPythonRun(tmp_path, monkeypatch):
-    example, choice = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    pytest.importorskip("pdbfixer")
+    (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+    shown, choice = (text for name, text in blocksOf("get-started.md") if name in ("README.md", "python"))
+    assert shown == example
     villin = readStructure()
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OPENMM_DEFAULT_PLATFORM", "CPU")  # the quickest that every machine has
-    with open("protein.pdb", "w") as file:
-        openmm.app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
+    shutil.copy(PACKAGE_FILE, "protein.pdb")
     variables = {}
     exec(example, variables)
 

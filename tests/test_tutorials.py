@@ -4,45 +4,20 @@ The pieces of a program on a page form the whole program, in order; test_example
 the blocks between these pieces, runs from top to bottom; and so do its commands.
 """
 
-import re
 import shlex
-import subprocess
 import sys
 from pathlib import Path
 
 import openmm
 import pytest
 from openmm import app, unit
-
-PROJECT = Path(__file__).parents[1]
-DOCS = PROJECT / "docs"
-_BLOCK = re.compile(r"^```(?:\{literalinclude\} (\S+)\n((?::.*\n)*)|(python|sh)\n([\s\S]*?))```$", re.MULTILINE)
-_OPTION = re.compile(r'^:([a-z-]+): "?(.*?)"?$', re.MULTILINE)
+from pages import PROJECT, blocksOf, runCommand
 
 TUTORIALS = {
     "sampling.md": "sample_protein.py",
     "own-monte-carlo.md": "own_monte_carlo.py",
     "validating.md": "validate_trajectory.py",
 }
-
-
-def blocksOf(page):
-    """Generate (file name, or language of the page's own code; text) of the code blocks of a page."""
-    for path, options, language, text in _BLOCK.findall((DOCS / page).read_text(encoding="utf-8")):
-        if path:
-            file = DOCS / path
-            yield file.name, cut(file.read_text(encoding="utf-8"), dict(_OPTION.findall(options)))
-        else:
-            yield language, text
-
-
-def cut(text, options):
-    """Return the part of a text for literalinclude: from the first line with start-at to the next with end-before."""
-    lines = text.splitlines(keepends=True)
-    start, end = (options.get(name, "").replace('\\"', '"') for name in ("start-at", "end-before"))
-    first = next(number for number, line in enumerate(lines) if start in line)
-    behind = [number for number, line in enumerate(lines) if number > first and end in line] if end else [len(lines)]
-    return "".join(lines[first : behind[0]])
 
 
 @pytest.mark.parametrize("page, program", TUTORIALS.items())
@@ -102,24 +77,19 @@ def test_theSnippetForBeadsRuns(tmp_path, monkeypatch):
 _COMMANDS = ("sample", "clashes", "clashes")
 
 
-def test_theCommandsRun(tmp_path):
+def test_theCommandsRun(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
     sample, clashes, ofCrystal = (
         shlex.split(text) for page in TUTORIALS for name, text in blocksOf(page) if name == "sh"
     )
     assert [sample[:2], clashes[:2], ofCrystal[:2]] == [["openmm-chaintree", name] for name in _COMMANDS]
-    runCommand(sample, tmp_path)
+    runCommand(sample, capsys)
     (tmp_path / "solvated-topology.pdb").replace(tmp_path / "my.pdb")
     (tmp_path / "solvated.dcd").replace(tmp_path / "my.dcd")
-    runCommand(clashes, tmp_path)
+    runCommand(clashes, capsys)
     assert (tmp_path / "clashes.csv").exists()
     lines = (tmp_path / "my.pdb").read_text().splitlines(keepends=True)
     cell = "CRYST1  100.000  110.000  120.000  90.00  90.00  90.00 P 21 21 21    4\n"
     (tmp_path / "my.pdb").write_text("".join([cell, *(line for line in lines if not line.startswith("CRYST1"))]))
-    runCommand(ofCrystal, tmp_path)
+    runCommand(ofCrystal, capsys)
     assert (tmp_path / "contacts.json").exists()
-
-
-def runCommand(words, folder):
-    command = [sys.executable, "-m", "openmmchaintree", *words[1:]]
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
