@@ -191,8 +191,3 @@ def describeMoves():
 def test_theTableOfMovesIsThatOfTheLibrary():
     table = describeMoves()
     assert table in (PROJECT / "docs" / "moves.md").read_text(encoding="utf-8"), table
-
-
-def test_theCitationIsOfThisVersion():
-    citation = (PROJECT / "CITATION.cff").read_text(encoding="utf-8")
-    assert re.search(r"^version: (\S+)$", citation, re.MULTILINE)[1] == openmmchaintree.__version__
