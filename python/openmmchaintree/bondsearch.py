@@ -28,6 +28,8 @@ from .residues import CAPS, aminoAcid, isAlphaCarbonOnly, isNucleotide, isWater
 from .templates import isStandard, standardName, templateBonds
 from .units import checkBondLengths
 
+GAPS = "gaps in the chain"  # the kind of a Note
+
 # A bond between residues of a polymer that is longer than this (nm) spans missing residues.
 LONGEST_LINK = 0.4
 
@@ -412,7 +414,7 @@ class BondSearch:
         others = [pair for pair in self._byDistance if pair not in disulfides and pair not in metals]
         self.notes = found(
             [
-                Note("gaps in the chain", gaps),
+                Note(GAPS, gaps),
                 Note(
                     "disulfides found by distance", map(self.describePair, sorted(disulfides & set(self._byDistance)))
                 ),

@@ -384,17 +384,17 @@ def test_leaveOut(runHere, tmp_path, lines):
         (
             lambda atom: atom.residue.id != "7" or atom.name not in ("NZ", "HZ1", "HZ2", "HZ3"),
             None,
-            ["residues that lack heavy atoms (1): A:LYS 7 (NZ): PDBFixer adds them"],
+            ["residues that lack heavy atoms (1): A:LYS 7 (NZ): --prepare adds them"],
         ),
         (
             lambda atom: atom.residue.id != "12" and atom.name not in ("OXT", "OC2"),
             None,
-            ["in the chain, or the atoms of an end (3): A:GLY 11 (at C); A:THR 13 (at N); A:PHE 35 (at C)", "PDBFixer"],
+            ["in the chain, or the atoms of an end (3): A:GLY 11 (at C); A:THR 13 (at N); A:PHE 35 (at C)", "--prepare"],
         ),
         (
             lambda atom: True,
             lambda residue: "TPO" if residue.id == "12" else residue.name,
-            ["residues that the force field does not have (1): A:TPO 12: ", "PDBFixer"],
+            ["residues that the force field does not have (1): A:TPO 12: ", "--prepare"],
         ),
     ],
 )

@@ -2,6 +2,7 @@
 
 import os
 
+import numpy as np
 import openmm
 import openmm.app
 from openmm import unit
@@ -13,7 +14,7 @@ from ..notes import Note, found
 from ..openmmchaintree import StericExclusionForce
 from ..residues import isMirrored
 from ..solute import subset
-from .misfits import describeMisfits, firstSentence
+from .misfits import describeMisfits, firstSentence, templatesOf
 from .templatenames import nameByTemplates
 
 # Steric modes.
@@ -25,6 +26,12 @@ _SOLVENTS = ("GB", "Kirkwood")
 # Cutoff (nm) and largest number of iterations for relaxing added hydrogens.
 _RELAXING_CUTOFF = 1.0
 _RELAXING_ITERATIONS = 100
+
+# The energy (kJ/mol) of dihedrals that are imposed on added atoms.
+_IMPOSED = "2000*(1-cos(theta-wanted))"
+
+# The largest number of iterations of --minimize.
+_MINIMIZING_ITERATIONS = 1000
 
 
 class EnergyModel:
@@ -57,8 +64,9 @@ class EnergyModel:
         areNative=True,
         steric=None,
         isFlexible=False,
+        isPrepared=False,
     ):
-        """Read the files. Errors give other advice if hydrogens are added already, or if atoms are omitted.
+        """Read the files. Errors give other advice if hydrogens are added, atoms omitted, or structures prepared.
 
         Raises
         ------
@@ -72,7 +80,7 @@ class EnergyModel:
         self.areNative = areNative
         self.steric = steric
         self.isFlexible = isFlexible
-        self._done = hydrogensAreAdded, someAreLeftOut
+        self._done = hydrogensAreAdded, someAreLeftOut, isPrepared
         for file in self.files:
             if os.path.isfile(file) and not file.lower().endswith(".xml"):
                 raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
@@ -105,10 +113,23 @@ class EnergyModel:
             notes += found([Note(kind, map(describeResidue, mirrored))])
         return system, notes
 
-    def relax(self, structure, atoms):
+    def hasTemplateOf(self, residue):
+        """Whether the force field has a template that the name of a residue, or the element of an ion, suggests."""
+        return bool(templatesOf(self._forceField, residue))
+
+    def hasPhosphateEnds(self):
+        """Whether the force field has nucleotides, or patches of them, with a phosphate at the 5' end."""
+        templates = self._forceField._templates.values()
+        names = [[atom.name for atom in template.atoms] for template in templates]
+        return any(patch.upper().startswith("5P") for patch in self._forceField._patches) or any(
+            {"P", "O5'", "C5'"} <= set(atoms) and atoms.index("P") not in template.externalBonds
+            for atoms, template in zip(names, templates, strict=True)
+        )
+
+    def relax(self, structure, atoms, iterations=_RELAXING_ITERATIONS, shapes=()):
         """Return the positions of a Structure with some of its atoms, such as added hydrogens, relaxed.
 
-        The solvent is omitted: it takes most of the time and matters little here.
+        The solvent is omitted: it takes most of the time and matters little here. Shapes, if given, are first imposed.
 
         Raises
         ------
@@ -119,17 +140,37 @@ class EnergyModel:
         for index in reversed(range(system.getNumForces())):
             if _isSolvent(system.getForce(index)):
                 system.removeForce(index)
-        moving = set(atoms.tolist())
-        for particle in range(system.getNumParticles()):
-            if particle not in moving:
-                system.setParticleMass(particle, 0)
-        context = openmm.Context(system, openmm.VerletIntegrator(0.001), *repeatablePlatform())
-        context.setPositions(structure.positions)
-        openmm.LocalEnergyMinimizer.minimize(context, maxIterations=_RELAXING_ITERATIONS)
-        relaxed = context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)
-        positions = structure.positions.copy()
-        positions[atoms] = relaxed[atoms]
-        return positions
+        positions = structure.positions
+        if shapes:
+            imposing = openmm.CustomTorsionForce(_IMPOSED)
+            imposing.addPerTorsionParameter("wanted")
+            for shape in shapes:
+                imposing.addTorsion(*shape.particles, [shape.angle])
+            index = system.addForce(imposing)
+            positions, _ = _minimize(system, positions, atoms, iterations)
+            system.removeForce(index)
+        return _minimize(system, positions, atoms, iterations)[0]
+
+    def minimize(self, structure, atoms):
+        """Minimize the energy of a Structure by moving some of its atoms, an int array.
+
+        Returns
+        -------
+        (n, 3) float64 array, nm
+            the positions
+        (float, float), kJ/mol
+            the energy before and after
+
+        Raises
+        ------
+        InputError
+            if the force field does not fit, or the energy is not a number
+        """
+        system, _ = self._fitSystem(structure, self.cutoff)
+        positions, energies = _minimize(system, structure.positions, atoms, _MINIMIZING_ITERATIONS)
+        if not np.isfinite([*energies, *positions.ravel()]).all():
+            raise InputError("--minimize: the energy is not a number; are atoms at one place?")
+        return positions, energies
 
     def _fitSystem(self, structure, cutoff):
         """Make a System, without bonds of metals if necessary; return it with a list of Note."""
@@ -158,6 +199,26 @@ class EnergyModel:
             rigidWater=False,
             removeCMMotion=False,
         )
+
+
+def _minimize(system, positions, atoms, iterations):
+    """Return positions (nm) at which the energy of a System is lower, and this energy before and after (kJ/mol).
+
+    atoms : the atoms that move, an int array; iterations : the largest number
+    """
+    moving = set(atoms.tolist())
+    for particle in range(system.getNumParticles()):
+        if particle not in moving:
+            system.setParticleMass(particle, 0)
+    context = openmm.Context(system, openmm.VerletIntegrator(0.001), *repeatablePlatform())
+    context.setPositions(positions)
+    before = context.getState(energy=True).getPotentialEnergy()
+    openmm.LocalEnergyMinimizer.minimize(context, maxIterations=iterations)
+    state = context.getState(positions=True, energy=True)
+    found = positions.copy()
+    found[atoms] = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)[atoms]
+    energies = before, state.getPotentialEnergy()
+    return found, tuple(energy.value_in_unit(unit.kilojoule_per_mole) for energy in energies)
 
 
 def repeatablePlatform():

@@ -3,6 +3,7 @@
 from .arguments import numberIn, positive, refuseWithout
 from .energymodel import HARD, OFF, EnergyModel
 from .flexible import ATOM_SHARE
+from .preparing.segments import LONGEST_GAP
 
 _TEMPERATURE = 300.0  # K
 _PH = 7.0
@@ -15,6 +16,7 @@ _NEED_FORCE_FIELD = (
     "no_native_energies",
     "flexible",
     "disordered",
+    "minimize",
 )
 
 
@@ -71,6 +73,18 @@ def addEnergyOptions(parser):
     )
     parser.add_argument("--add-hydrogens", action="store_true", help="add missing hydrogens")
     parser.add_argument(
+        "--prepare",
+        action="store_true",
+        help="complete a structure as the Protein Data Bank has it: missing heavy atoms, ends of chains, gaps of up to "
+        f"{LONGEST_GAP} residues (by the sequence in the file) and hydrogens; additives and modified residues that the "
+        "force field does not have are left out or replaced; atoms that stay do not move",
+    )
+    parser.add_argument(
+        "--minimize",
+        action="store_true",
+        help="minimize the energy in the force field before sampling; atoms selected by --fix do not move",
+    )
+    parser.add_argument(
         "--ph", type=numberIn(0, 14), metavar="PH", help=f"the pH at which to add hydrogens (default: {_PH:g})"
     )
 
@@ -85,10 +99,11 @@ def readEnergyOptions(options):
     """
     if options.forcefield is None:
         refuseWithout(options, "--forcefield", *_NEED_FORCE_FIELD)
-    if not options.add_hydrogens:
-        refuseWithout(options, "--add-hydrogens", "ph")
+    addsHydrogens = options.add_hydrogens or options.prepare
+    if not addsHydrogens:
+        refuseWithout(options, "--add-hydrogens or --prepare", "ph")
     pH = None
-    if options.add_hydrogens:
+    if addsHydrogens:
         pH = _PH if options.ph is None else options.ph
     if options.forcefield is None:
         return None, pH
@@ -98,10 +113,11 @@ def readEnergyOptions(options):
         temperature,
         options.nonbonded_cutoff,
         options.trials_per_outer_test or 0,
-        options.add_hydrogens,
+        addsHydrogens,
         options.leave_out is not None,
         not options.no_native_energies,
         options.steric,
         options.flexible,
+        options.prepare,
     )
     return model, pH

@@ -1,6 +1,7 @@
 """Adding hydrogens to a Structure."""
 
 import random
+from collections import defaultdict
 from contextlib import contextmanager
 from itertools import groupby
 
@@ -9,6 +10,7 @@ import openmm.app
 from openmm import unit
 from openmm.app import element
 
+from ..covalent import isMetal
 from ..errors import InputError
 from ..naming import describeResidue
 from ..notes import Note, found
@@ -25,25 +27,30 @@ _VARIANT_OF_NAME = {
     f"{end}{name}": variant for variant, names in _VARIANTS.items() for name in names for end in ("", "N", "C")
 }
 
+# The variant without a hydrogen on an atom that binds a metal.
+_AT_METALS = {"SG": "CYX", "NE2": "HID", "ND1": "HIE"}
+
 # Atoms that bind a residue to the one before it, and to the one after it, in proteins and nucleic acids.
 _FRONT, _BACK = ("N", "P"), ("C", "O3'")
 _NON_METALS = (element.carbon, element.nitrogen, element.oxygen, element.phosphorus, element.sulfur)
 
 
-def addHydrogens(structure, pH, seed):
+def addHydrogens(structure, pH, seed, mindMetals=False):
     """Return a Structure with its missing hydrogens added by Modeller, and their indices, an int array.
 
-    Each hydrogen follows the atom to which it is bonded. Everything else is unchanged.
+    Each hydrogen follows the atom to which it is bonded. Everything else is unchanged. With mindMetals, sulfur of CYS
+    and nitrogen of HIS that bind a metal get no hydrogen.
 
     Raises
     ------
     InputError
         if heavy atoms are missing that define the places of hydrogens
     """
-    named, own, variants = _withStandardNames(structure.topology)
+    atMetals = _atomsAtMetals(structure.topology) if mindMetals else {}
+    named, own, variants = _withStandardNames(structure.topology, atMetals)
     modeller = openmm.app.Modeller(named, structure.positions * unit.nanometer)
     platform = openmm.Platform.getPlatformByName("CPU")
-    with _repeatable(seed, platform):
+    with repeatable(seed, platform):
         try:
             chosen = modeller.addHydrogens(pH=pH, variants=variants, platform=platform)
         except ValueError as error:
@@ -52,7 +59,7 @@ def addHydrogens(structure, pH, seed):
 
 
 @contextmanager
-def _repeatable(seed, platform):
+def repeatable(seed, platform):
     """Make Modeller, which starts from random places, reproducible: seed it and use one thread."""
     state, threads = random.getstate(), platform.getPropertyDefaultValue("Threads")
     random.seed(seed)
@@ -64,7 +71,17 @@ def _repeatable(seed, platform):
         platform.setPropertyDefaultValue("Threads", threads)
 
 
-def _withStandardNames(topology):
+def _atomsAtMetals(topology):
+    """Return the residues that bind metals, each with the names of the atoms that do."""
+    binding = defaultdict(set)
+    for bond in topology.bonds():
+        for atom, other in (bond, bond[::-1]):
+            if atom.residue is not other.residue and isMetal(other.element.atomic_number):
+                binding[atom.residue].add(atom.name)
+    return binding
+
+
+def _withStandardNames(topology, atMetals):
     """Return a copy with Modeller's names, and for each residue the original and the variant implied by its names.
 
     Modeller treats the first and the last residue of a chain as its ends. So the copy's chains end where polymers do;
@@ -72,7 +89,7 @@ def _withStandardNames(topology):
     """
     named = openmm.app.Topology()
     copies, own, variants = {}, [], []
-    front, back = _boundEnds(topology)
+    front, back = boundEnds(topology)
 
     def add(residue, name, chain):
         own.append(residue)
@@ -96,7 +113,7 @@ def _withStandardNames(topology):
     for first, second in topology.bonds():
         named.addBond(copies[first], copies[second])
     for residue, newResidue in zip(own, named.residues(), strict=True):
-        variants.append(None if residue is None else _variant(residue, {atom.name for atom in newResidue.atoms()}))
+        variants.append(None if residue is None else _variant(residue, newResidue, atMetals.get(residue, ())))
     return named, own, variants
 
 
@@ -107,7 +124,7 @@ def _modellerName(residue):
     return f"D{name}" if isDNA else name
 
 
-def _boundEnds(topology):
+def boundEnds(topology):
     """Return two sets: residues whose front, and whose back, is bonded to another residue other than a metal."""
     front, back = set(), set()
     for bond in topology.bonds():
@@ -121,16 +138,21 @@ def _boundEnds(topology):
     return front, back
 
 
-def _variant(residue, names):
-    """Return the variant implied by the name of a residue without hydrogens; hydrogens would define it themselves."""
+def _variant(residue, named, atMetals):
+    """Return the variant implied by the name of a residue without hydrogens; hydrogens would define it themselves.
+
+    named : its copy with standard names; atMetals : the names of its atoms that bind a metal
+    """
+    names = {atom.name for atom in named.atoms()}
     if aminoAcid(residue.name) == "HIS" and not {"ND1", "NE2"} <= names:
         raise InputError(
             f"--add-hydrogens: {describeResidue(residue)} lacks {' and '.join(sorted({'ND1', 'NE2'} - names))}, "
-            "which PDBFixer adds"
+            "which --prepare adds"
         )
     if any(atom.element is element.hydrogen for atom in residue.atoms()):
         return None
-    return _VARIANT_OF_NAME.get(residue.name)
+    byMetal = [variant for atom, variant in _AT_METALS.items() if atom in atMetals]
+    return byMetal[0] if byMetal else _VARIANT_OF_NAME.get(residue.name)
 
 
 def _noteVariants(own, chosen, pH):

@@ -11,25 +11,33 @@ from ..notes import Note, listFirst
 from ..residues import aminoAcid, isPolymer, nucleotide
 from ..templates import atomAliases, standardName
 
-_ADD_ATOMS = "PDBFixer adds them"
+_ADD_ATOMS = "--prepare adds them"
 _ADD_HYDROGENS = "--add-hydrogens adds them"
 _CANNOT_ADD_HYDROGENS = "--add-hydrogens knows no more of them: are names or bonds of atoms unusual?"
-_ADD_RESIDUES = "PDBFixer adds missing residues and ends"
+_ADD_RESIDUES = "--prepare adds ends and short gaps"
 _LEAVE_OUT = 'name another file that has them, or leave them out (--leave-out "{}")'
 _LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-out)"
-_REPLACE = "name another file that has them, or let PDBFixer replace them"
+_REPLACE = "name another file that has them, or let --prepare replace them"
 _OTHER_HYDROGENS = '--leave-out "element H" --add-hydrogens puts others in their place'
+
+_CANNOT_PREPARE = "--prepare knows no more of them: are names or bonds of atoms unusual?"
 
 # Advice for users who have already followed the first advice.
 _NEXT_ADVICE = {_ADD_HYDROGENS: _CANNOT_ADD_HYDROGENS}
 _NEXT_ADVICE_WITHOUT_HYDROGENS = {**_NEXT_ADVICE, _OTHER_HYDROGENS: _REPLACE}
+_NEXT_ADVICE_PREPARED = {
+    _ADD_ATOMS: _CANNOT_PREPARE,
+    _ADD_HYDROGENS: _CANNOT_PREPARE,
+    _ADD_RESIDUES: _CANNOT_PREPARE,
+    _REPLACE: _LEAVE_OUT,
+}
 
 # Largest number of residue names in a suggested selection; letters of OpenMM's message.
 _LONGEST_SELECTION = 3
 _LONGEST_SENTENCE = 300
 
 
-def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, someAreLeftOut=False):
+def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, someAreLeftOut=False, isPrepared=False):
     """Return one line on why a ForceField cannot make a System.
 
     Parameters
@@ -44,6 +52,8 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
         whether hydrogens were added as far as possible
     someAreLeftOut : bool
         whether the user chose atoms to omit
+    isPrepared : bool
+        whether --prepare has done what it can
     """
     name = f"--forcefield {' '.join(files)}"
     first = re.match(r"No template found for residue (\d+) ", str(error))
@@ -56,7 +66,9 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
     misfits = defaultdict(list)
     for residue in residues:
         what, remedy, detail = _whyMisfit(forceField, residue, bonds[residue])
-        if hydrogensWereAdded:
+        if isPrepared:
+            remedy = _NEXT_ADVICE_PREPARED.get(remedy, remedy)
+        elif hydrogensWereAdded:
             remedy = (_NEXT_ADVICE_WITHOUT_HYDROGENS if someAreLeftOut else _NEXT_ADVICE).get(remedy, remedy)
         misfits[what, remedy].append((residue, f" ({detail})" if detail else ""))
     parts = []
@@ -90,7 +102,7 @@ def _bondsBetweenResidues(topology):
 
 def _whyMisfit(forceField, residue, bonds):
     """Return what is wrong with a residue that no template fits, what to do, and details."""
-    templates = [template for name, template in forceField._templates.items() if _isOf(name, residue.name)]
+    templates = templatesOf(forceField, residue)
     if not templates:
         return "that the force field does not have", _REPLACE if isPolymer(residue) else _LEAVE_OUT, ""
     misfit = min((_Misfit(residue, bonds, template) for template in templates), key=_Misfit.size)
@@ -112,6 +124,14 @@ def _whyMisfit(forceField, residue, bonds):
     if misfit.lackingHydrogens < 0:
         return "with hydrogens too many", _OTHER_HYDROGENS, ""
     return "whose bonds are not those of their names", "give their bonds in the file (CONECT, _struct_conn)", ""
+
+
+def templatesOf(forceField, residue):
+    """Return the templates of a ForceField that a residue's name suggests; for an ion those of its element."""
+    if len(residue) == 1 and not isPolymer(residue):
+        elements = [next(residue.atoms()).element]
+        return [each for each in forceField._templates.values() if [atom.element for atom in each.atoms] == elements]
+    return [template for name, template in forceField._templates.items() if _isOf(name, residue.name)]
 
 
 class _Misfit:

@@ -25,9 +25,11 @@ from .outputs.scenefiles import removeScene, writeScene
 from .outputs.trajectoryfile import TrajectoryFile
 from .pictures import savePicture
 from .plan import DEFAULT_KINDS, Choice, selectByOption
+from .preparing.minimizing import minimizeStructure
+from .preparing.preparation import prepareStructure
 from .replicaoptions import addReplicaOptions, readReplicaOptions
 from .replicasample import replicaNames, sampleReplicas
-from .reports.noteoutput import addNotes
+from .reports.noteoutput import addNotes, asText
 from .reports.planreport import printPlan
 from .reports.samplereport import printReport, summarize
 from .sampling import Sampling
@@ -49,9 +51,10 @@ picture, and prints a table."""
 _SELECTIONS = """
 In a force field, with implicit solvent:
 
-  openmm-chaintree sample my.pdb --add-hydrogens --forcefield amber14-all.xml implicit/gbn2.xml --temperature 300
+  openmm-chaintree sample my.pdb --prepare --forcefield amber14-all.xml implicit/gbn2.xml --temperature 300
 
-A force field needs all atoms of each residue: --add-hydrogens adds hydrogens; use PDBFixer for other missing atoms.
+A force field needs all atoms of each residue: --add-hydrogens adds hydrogens, and --prepare also adds other missing
+atoms and short gaps, and leaves out or replaces what the force field does not have. --minimize relaxes the structure.
 Moves suit folded chains: closed and local moves of backbone windows, which leave the chain behind them in place or
 hardly move it, and side-chain moves, small or between rotamers. With --disordered, they suit disordered and unfolded
 chains. Hard spheres alone are sampled by moves of single torsions. Bond lengths and angles keep their initial values,
@@ -209,6 +212,8 @@ def _run(options):
             sampling = Sampling(structure, seed, choice, energyModel)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
+    if options.prepare or options.minimize:  # line by line, and shortly again in the report
+        console.print(asText(structure.notes).rstrip())
     prepared = Prepared(options, settings, outputs, console, sampling, energyModel, seed, added)
     return _sampleOne(prepared) if replicas is None else sampleReplicas(prepared, replicas, saved)
 
@@ -249,12 +254,17 @@ def _prepare(structure, options, energyModel, pH, seed):
     """Return a Structure without the omitted atoms and with added hydrogens, and the number of these."""
     if options.leave_out is not None:
         structure = withoutAtoms(structure, selectByOption(structure.topology, "--leave-out", options.leave_out))
-    if pH is None:
-        return structure, 0
-    structure, added = addHydrogens(structure, pH, seed)
-    if energyModel is not None and len(added) > 0:
-        structure = structure._replace(positions=energyModel.relax(structure, added))
-    return structure, len(added)
+    count = 0
+    if options.prepare:
+        structure, count = prepareStructure(structure, energyModel, pH, seed)
+    elif pH is not None:
+        structure, added = addHydrogens(structure, pH, seed)
+        count = len(added)
+        if energyModel is not None and count > 0:
+            structure = structure._replace(positions=energyModel.relax(structure, added))
+    if options.minimize:
+        structure = minimizeStructure(structure, energyModel, options.fix)
+    return structure, count
 
 
 def _checkOutputs(options, structureName, settings, replicas, saved):

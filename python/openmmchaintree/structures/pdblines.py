@@ -13,7 +13,9 @@ from ..residues import isCalledWater, isPolymerName
 from .elements import findElements
 
 # Records that are read, besides those of models.
-_RECORDS = {"CRYST1", "SCALE1", "SCALE2", "SCALE3", "MTRIX1", "MTRIX2", "MTRIX3", "TER", "LINK", "SSBOND", "CONECT"}
+_RECORDS = {
+    "CRYST1", "SCALE1", "SCALE2", "SCALE3", "MTRIX1", "MTRIX2", "MTRIX3", "TER", "LINK", "SSBOND", "CONECT", "SEQRES",
+}  # fmt: skip
 
 _COORDINATES = (slice(30, 38), slice(38, 46), slice(46, 54))
 

@@ -54,6 +54,7 @@ class Structure(NamedTuple):
     alternates : list of str, for each atom the label of its conformer; notes : list of Note, on the file
     box : (3, 3) float64 array, nm, a vector a row, or None: the periodic box of the file
     spaceGroup : str, as `spaceGroupOf` returns it
+    file : gemmi.Structure or None, the whole file; model : int, the number of the model that was read
     """
 
     name: str
@@ -63,6 +64,8 @@ class Structure(NamedTuple):
     notes: list[Note] = []
     box: np.ndarray | None = None
     spaceGroup: str = ""
+    file: gemmi.Structure | None = None
+    model: int = 0
 
 
 def villinPath():
@@ -93,7 +96,8 @@ def readStructure(path=None, model=0):
     solute.topology.setPeriodicBoxVectors(None)
     alternates = [models.alternates[atom] for atom in solute.atoms]
     notes = [*models.notes, *solute.notes]
-    return Structure(name, solute.topology, solute.positions, alternates, notes, box, spaceGroupOf(models))
+    group = spaceGroupOf(models)
+    return Structure(name, solute.topology, solute.positions, alternates, notes, box, group, models.file, model)
 
 
 def readModels(path, only=None):

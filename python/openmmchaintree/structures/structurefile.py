@@ -44,6 +44,7 @@ _REQUIRED = {
 # Categories of an mmCIF or BinaryCIF file that are read.
 _CATEGORIES = (
     "atom_site", "atom_sites", "cell", "symmetry", "struct_conn", "struct_conn_type", "struct_ncs_oper", "entry",
+    "entity", "entity_poly", "entity_poly_seq", "struct_asym",
 )  # fmt: skip
 
 
