@@ -20,6 +20,7 @@ extensions = [
     "sphinx_argparse_cli",
     "sphinx_copybutton",
     # docs/site
+    "commandparsers",
     "headers",
     "mathematics",
     "pythonreference",

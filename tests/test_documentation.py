@@ -138,7 +138,7 @@ def test_thePageOfTheCommandHasEveryOptionOfItsHelp(site, command):
     page = site / "command.html"
     assert {f"openmm-chaintree-{command}-{option}" for option in named} <= Page(page).names
     text = html.unescape(re.sub(r"<[^>]+>", "", page.read_text(encoding="utf-8")))
-    assert examples.strip() in text
+    assert " ".join(examples.split()) in " ".join(text.split())
 
 
 def test_formulasAreTypeset(site):
