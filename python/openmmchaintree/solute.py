@@ -121,7 +121,10 @@ def _noteWhole(topology, search, positions):
 
 
 def subset(topology, atoms, bonds=None):
-    """Return a Topology of some of the atoms, in their order, with their bonds or with bonds given as indices."""
+    """Return a Topology of some of the atoms, in their order, with their bonds or with bonds given as indices.
+
+    Bonds of the Topology keep their types and orders.
+    """
     part = app.Topology()
     part.setPeriodicBoxVectors(topology.getPeriodicBoxVectors())
     chain = residue = newChain = newResidue = None
@@ -134,9 +137,12 @@ def subset(topology, atoms, bonds=None):
             residue = atom.residue
             newResidue = part.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
         copies[atom.index] = part.addAtom(atom.name, atom.element, newResidue, atom.id)
+    known = [bond for bond in topology.bonds() if bond.type is not None or bond.order is not None]
+    orders = {tuple(sorted((bond[0].index, bond[1].index))): (bond.type, bond.order) for bond in known}
     if bonds is None:
         bonds = [(bond[0].index, bond[1].index) for bond in topology.bonds()]
     for first, second in bonds:
         if first in copies and second in copies:
-            part.addBond(copies[first], copies[second])
+            order = orders.get(tuple(sorted((first, second))), (None, None))
+            part.addBond(copies[first], copies[second], *order)
     return part

@@ -86,8 +86,8 @@ def createStericExclusionForce(
         each atom. Default: for each molecule "all-atom" if it shows its hydrogens, else "united-atom".
     torsions : str or iterable of str, or iterable of Torsion, optional
         the kinds of torsions, as in `findTorsions`, or torsions that it returned, for example with a `selection`.
-        "rotatable" means all bonds outside rings. Default: "rotatable" if the `system` has the energies of a force
-        field, else φ, ψ and χ.
+        "all" means all bonds outside rings, "rotatable" the single ones of these that are neither terminal nor
+        conjugated as in amides. Default: "all" if the `system` has the energies of a force field, else φ, ψ and χ.
     bondCutoff : int
         pairs up to this number of bonds apart are excluded
     cutDisulfides : bool

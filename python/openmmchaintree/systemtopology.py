@@ -26,7 +26,7 @@ def createTopology(
     no amino acids, but all bonds outside rings turn with
 
         topology = createTopology(system)
-        createStericExclusionForce(topology, positions, torsions="rotatable", system=system)
+        createStericExclusionForce(topology, positions, torsions="all", system=system)
 
     Parameters
     ----------

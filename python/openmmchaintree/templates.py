@@ -77,6 +77,31 @@ def _dictionaryBonds(residueName):
     return list(info.bonds_in_residue(residueName))
 
 
+@cache
+def templateOrders(residueName, atomNames):
+    """Return the orders of the bonds of a residue by pairs of names, a frozenset each; {} for an unknown residue.
+
+    1, 2, 3, or 1.5 in aromatic rings. A residue is known if the chemical component dictionary has its name and the
+    names of all its atoms except hydrogens.
+
+    Parameters
+    ----------
+    residueName : str
+    atomNames : tuple of str
+    """
+    info = importExtra("biotite.structure.info", f"finding the orders of the bonds of {residueName}")
+    orders = {frozenset(pair): _orderOf(kind) for pair, kind in info.bonds_in_residue(residueName).items()}
+    known = {name for pair in orders for name in pair}
+    return orders if all(name in known for name in atomNames if not mayBeHydrogen(name)) else {}
+
+
+def _orderOf(bondType):
+    """Return the order of biotite's type of a bond; None for those without one."""
+    if "AROMATIC" in bondType.name:
+        return 1.5
+    return {"SINGLE": 1, "DOUBLE": 2, "TRIPLE": 3}.get(bondType.name)
+
+
 def mayBeHydrogen(name):
     """Whether the name of an atom begins as those of hydrogen and deuterium."""
     return name.lstrip("0123456789").startswith(("H", "D"))

@@ -21,6 +21,7 @@ from .residues import (
     glycosidicAtoms,
     isNucleotide,
 )
+from .rotatable import ROTATABLE, UNKNOWN_ORDER, RotatableBonds
 from .selection import AtomSelection, selectAtoms
 from .units import Array, positionsInNm
 
@@ -37,10 +38,10 @@ _KINDS = {
     **{kind: (kind,) for kind in ("alpha", "beta", "gamma", "delta", "epsilon", "zeta")},
     **{kind: (kind,) for kind in _UNNAMED},
 }
-_KINDS["rotatable"] = tuple(dict.fromkeys(kind for kinds in _KINDS.values() for kind in kinds))
-KIND_WORDS = tuple(_KINDS)
-KINDS = _KINDS["rotatable"]
-KINDS_WITH_ENERGIES = ("rotatable",)
+_KINDS["all"] = tuple(dict.fromkeys(kind for kinds in _KINDS.values() for kind in kinds))
+KINDS = _KINDS["all"]
+KINDS_WITH_ENERGIES = ("all",)
+KIND_WORDS = (*_KINDS, ROTATABLE)
 
 # Atoms of the residue itself, of the residue before it (-) and after it (+); IUPAC-IUB 1970 and 1983.
 _PEPTIDE = {
@@ -125,7 +126,11 @@ def findTorsions(
         delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen);
         planar (other bonds between a trigonal carbon and a nitrogen, as of amides at the end of side chains, of
         guanidinium, and of amino groups of bases); other (all other bonds outside rings that have atoms beyond both
-        ends, including those of ligands); or rotatable for all of these
+        ends, including those of ligands); all for all of these, which are all bonds outside rings; or rotatable for
+        those of them that chemists call rotatable: single bonds that are neither terminal (one end binds no other
+        heavy atom, as of methyl and hydroxyl groups) nor conjugated as in amides (between a carbon with a double bond
+        to N, O or S and another N, O or S: amides with ω, esters, guanidinium). Bond orders are the Topology's, else
+        those of the chemical component dictionary (of biotite); bonds of unknown order are left out.
     cutDisulfides, cutMetals : bool
         treat disulfides, or the bonds between metals and other residues, as if they were no bonds
     selection : str, array of int or bool, or callable, optional
@@ -167,15 +172,31 @@ def findTorsions(
 
 def searchTorsions(graph, topology, kinds):
     """Do the work of `findTorsions` on a BondGraph of the topology."""
-    kinds = _expandKinds(kinds)
+    kinds, areRotatable = _expandKinds(kinds)
     search = _Search(graph, topology)
-    hasUnnamed = not kinds.isdisjoint(_UNNAMED)  # to find these, all other kinds must be known
+    hasUnnamed = areRotatable or not kinds.isdisjoint(_UNNAMED)  # to find these, all other kinds must be known
     for residue in topology.residues():
         search.addResidue(residue, set(KINDS) if hasUnnamed else kinds)
     if hasUnnamed:
         search.addUnnamed()
     torsions = [torsion for torsion in search.torsions if torsion.kind in kinds]
-    return TorsionSearch(torsions, [left for left in search.leftOut if left.kind in kinds])
+    leftOut = [left for left in search.leftOut if left.kind in kinds]
+    if areRotatable:
+        return _withRotatable(TorsionSearch(torsions, leftOut), search, RotatableBonds(graph, topology))
+    return TorsionSearch(torsions, leftOut)
+
+
+def _withRotatable(chosen, search, bonds):
+    """Return a TorsionSearch with the torsions of a _Search about RotatableBonds as well, in its order."""
+    kept = {torsion.particles for torsion in chosen.torsions}
+    torsions, leftOut = [], list(chosen.leftOut)
+    for torsion in search.torsions:
+        isRotatable = torsion.particles in kept or bonds.has(torsion)
+        if isRotatable:
+            torsions.append(torsion)
+        elif isRotatable is None:
+            leftOut.append(LeftOutTorsion(torsion.kind, torsion.residue, UNKNOWN_ORDER))
+    return TorsionSearch(torsions, leftOut)
 
 
 def ofAtoms(search, atoms):
@@ -205,11 +226,12 @@ def withoutThoseBetween(search, graph, fixed):
 
 
 def _expandKinds(kinds):
+    """Return the kinds that words mean, and whether the rotatable ones of all kinds are among them."""
     words = (kinds,) if isinstance(kinds, str) else tuple(kinds)
     for word in words:
-        if word not in _KINDS:
+        if word not in KIND_WORDS:
             raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(KIND_WORDS)}")
-    return {kind for word in words for kind in _KINDS[word]}
+    return {kind for word in words for kind in _KINDS.get(word, ())}, ROTATABLE in words
 
 
 class _Search:

@@ -99,10 +99,10 @@ def test_aTopologyWithoutElements():
 
 def test_torsionsOfBeadsOnRequest():
     topology, system, positions = calvados2(1, _BOX)
-    force, _ = create(topology, positions, system=system, torsions="rotatable")
+    force, _ = create(topology, positions, system=system, torsions="all")
     assert force.getNumTorsions() == len(positions) - 3
     assert jointsOf(force) == [(0, 1), (len(positions) - 2, len(positions) - 1)]
-    force, _ = create(topology, positions, system=system, torsions="rotatable", ballJoints=())
+    force, _ = create(topology, positions, system=system, torsions="all", ballJoints=())
     assert force.getNumBallJoints() == 0
 
 

@@ -46,7 +46,7 @@ def test_withEnergiesAllThatTurnsTurns(villin):
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing stays rigid that could turn
         force = createStericExclusionForce(villin.topology, villin.positions, system=system)
-    torsions = findTorsions(villin.topology, villin.positions, kinds="rotatable").torsions
+    torsions = findTorsions(villin.topology, villin.positions, kinds="all").torsions
     assert asList(force) == [torsion.particles for torsion in torsions]
     assert {"omega", "rotor", "planar", "other"} < {torsion.kind for torsion in torsions}
     chosen = createStericExclusionForce(villin.topology, villin.positions, torsions="phi", system=system)
@@ -154,7 +154,7 @@ def test_bondsOfBeadsAreThoseOfTheSystem(kind):
     options = {"radii": np.full(5, 0.2), "torsions": (), "ballJoints": "bonds", "bondCutoff": 1}
     force = createStericExclusionForce(topology, system=system, **options)
     assert bondsOf(force) == {(0, 1), (1, 2), (2, 3), (3, 4)} and force.getNumBallJoints() == 4
-    rotatable = createStericExclusionForce(topology, radii=np.full(5, 0.2), torsions="rotatable", system=system)
+    rotatable = createStericExclusionForce(topology, radii=np.full(5, 0.2), torsions="all", system=system)
     assert asList(rotatable) == [(0, 1, 2, 3), (1, 2, 3, 4)]
 
 
@@ -235,7 +235,7 @@ def test_elementsAndBondsOfChoice():
     topology = createTopology(system, elements, [(0, 1), (1, 2), (2, 4)])
     assert [atom.element and atom.element.symbol for atom in topology.atoms()] == ["C", "C", "C", None, "C", None]
     assert topology.getNumChains() == 4
-    force = createStericExclusionForce(topology, torsions="rotatable")
+    force = createStericExclusionForce(topology, torsions="all")
     assert asList(force) == [(0, 1, 2, 4)]
     with pytest.raises(ValueError, match="there are 2 elements, but 6 particles"):
         createTopology(system, ["C", "C"])

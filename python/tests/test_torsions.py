@@ -279,12 +279,12 @@ def isConnected(neighbors, start, end):
     return end in seen
 
 
-def test_rotatableBondsAreAllInNoRing():
+def test_allAreTheBondsInNoRing():
     """Torsions of proteins by kind, planar ends of side chains, and others, such as the end's carboxylate."""
     topology = peptide(*sorted(HEAVY_ATOMS))
     ends = topology.addAtom("OXT", app.element.oxygen, list(topology.residues())[-1])
     topology.addBond(next(a for a in topology.atoms() if a.residue is ends.residue and a.name == "C"), ends)
-    search = findTorsions(topology, kinds="rotatable")
+    search = findTorsions(topology, kinds="all")
     neighbors = neighborLists(topology.getNumAtoms(), [(bond[0].index, bond[1].index) for bond in topology.bonds()])
     inRings = ringBonds(neighbors)
     expected = set()
@@ -301,7 +301,7 @@ def test_rotatableBondsAreAllInNoRing():
     assert [torsion.kind for torsion in findTorsions(topology, kinds="planar").torsions] == ["planar"]
 
 
-def test_rotatableBondsOfALigand():
+def test_allBondsOfALigand():
     # Butane with an extra particle on its end, whose bond turns nothing.
     topology = app.Topology()
     residue = topology.addResidue("BUT", topology.addChain())
@@ -309,5 +309,5 @@ def test_rotatableBondsOfALigand():
     for atom, other in zip(atoms, atoms[1:], strict=False):
         topology.addBond(atom, other)
     topology.addBond(atoms[3], topology.addAtom("LP", None, residue))
-    assert findTorsions(topology, kinds="rotatable").torsions == [((0, 1, 2, 3), "other", residue)]
+    assert findTorsions(topology, kinds="all").torsions == [((0, 1, 2, 3), "other", residue)]
     assert findTorsions(topology).torsions == []

@@ -110,8 +110,8 @@ def _withStandardNames(topology, atMetals):
                     copies[atom] = named.addAtom(newName, atom.element, newResidue)
             if residues[-1] in back:
                 add(None, "", newChain)
-    for first, second in topology.bonds():
-        named.addBond(copies[first], copies[second])
+    for bond in topology.bonds():
+        named.addBond(copies[bond[0]], copies[bond[1]], bond.type, bond.order)
     for residue, newResidue in zip(own, named.residues(), strict=True):
         variants.append(None if residue is None else _variant(residue, newResidue, atMetals.get(residue, ())))
     return named, own, variants
@@ -184,8 +184,8 @@ def _restore(structure, modeller, own, notes):
                 else:
                     copies.append(topology.addAtom(atom.name, atom.element, newResidue))
                     sources.append(-1)
-    for first, second in modeller.topology.bonds():
-        topology.addBond(copies[first.index], copies[second.index])
+    for bond in modeller.topology.bonds():
+        topology.addBond(copies[bond[0].index], copies[bond[1].index], bond.type, bond.order)
     sources = np.array(sources)
     assert np.array_equal(sources[sources >= 0], np.arange(structure.topology.getNumAtoms()))
     alternates = [structure.alternates[source] if source >= 0 and structure.alternates else "" for source in sources]

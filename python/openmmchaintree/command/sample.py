@@ -114,7 +114,8 @@ def addArguments(sample):
         type=listOf(KIND_WORDS),
         metavar="KINDS",
         help=f"kinds of rotating torsions, separated by commas, from {', '.join(KIND_WORDS)} (default: "
-        f"{','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, all bonds outside rings)",
+        f"{','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, every bond outside rings; "
+        "rotatable: single bonds, neither terminal nor conjugated as in amides)",
     )
     moving.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as those of a ligand")
     moving.add_argument(

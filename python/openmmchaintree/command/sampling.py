@@ -46,6 +46,7 @@ _MOVE_KINDS = (
     _MoveKind("α–ζ", _NUCLEIC, ((2.0, 5), (1.0, 30), (1.0, 180))),
     _MoveKind("χ", _SIDE_CHAINS, ((1.0, 30), (1.0, 180))),
     _MoveKind("rotor", ("rotor",), ((0.5, 180),)),
+    _MoveKind("others", ("planar", "other"), ((1.0, 30), (1.0, 180))),
 )
 
 # Closed moves in rings and loops.

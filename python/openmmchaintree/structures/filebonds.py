@@ -1,21 +1,27 @@
 """The bonds that a structure file lists: CONECT, LINK and SSBOND of PDB, _struct_conn of mmCIF."""
 
+from collections import Counter
+
 import gemmi
 
 _BONDS = {gemmi.ConnectionType.Covale, gemmi.ConnectionType.Disulf, gemmi.ConnectionType.MetalC}
 
 
 def bondsOfFile(structure, made):
-    """Return the bonds between atoms of a ModelTopology that a gemmi.Structure lists, as pairs, once each.
+    """Return the bonds between atoms of a ModelTopology that a gemmi.Structure lists: a dict of orders by pair.
+
+    An order is the number of times that CONECT lists the bond. It is None in residues in which CONECT lists each bond
+    once, as many programs do whatever the order is, and for all other bonds.
 
     Bonds to symmetry mates and hydrogen bonds are left out, and bonds of atoms in other conformers, and of numbers that
     several atoms have.
     """
-    bonds = {}
+    bonds, atoms = {}, list(made.topology.atoms())
 
-    def add(first, second):
+    def add(first, second, order=None):
         if first != second:
-            bonds[min(first, second), max(first, second)] = None
+            pair = min(first, second), max(first, second)
+            bonds[pair] = bonds.get(pair) if order is None else order
 
     for first, second in _connections(structure, made.topology, False):
         add(first, second)
@@ -23,11 +29,13 @@ def bondsOfFile(structure, made):
     for index, atom in enumerate(made.atoms if structure.conect_map else ()):
         bySerial.setdefault(atom.serial, []).append(index)
     for serial, others in structure.conect_map.items():
-        for other in others:
+        for other, count in Counter(others).items():
             first, second = bySerial.get(serial, ()), bySerial.get(other, ())
             if serial > 0 and other > 0 and len(first) == 1 and len(second) == 1:
-                add(first[0], second[0])
-    return list(bonds)
+                add(first[0], second[0], count)
+    multiple = [pair for pair, order in bonds.items() if order is not None and order > 1]
+    withOrders = {atoms[atom].residue for pair in multiple for atom in pair}
+    return {pair: order if atoms[pair[0]].residue in withOrders else None for pair, order in bonds.items()}
 
 
 def bondsWithCopies(models):

@@ -121,8 +121,8 @@ def readModels(path, only=None):
         raise damage or InputError(f"{path}: there is no model {first} (from 0), but {len(structure)} in all")
     made = makeTopology(structure[first])
     atoms = list(made.topology.atoms())
-    for atom1, atom2 in bondsOfFile(structure, made):
-        made.topology.addBond(atoms[atom1], atoms[atom2])
+    for (atom1, atom2), order in bondsOfFile(structure, made).items():
+        made.topology.addBond(atoms[atom1], atoms[atom2], order=order)
     box = _boxOf(cells[first])
     if box is not None:
         made.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)

@@ -196,13 +196,14 @@ class _Builder:
     def finish(self):
         """Return the Structure, the indices of added atoms, and a list of Note."""
         structure = self._structure
-        for first, second in structure.topology.bonds():
-            if first in self._copies and second in self._copies:
-                self._bonds.append((self._copies[first], self._copies[second]))
-        pairs = dict.fromkeys(tuple(sorted((first.index, second.index))) for first, second in self._bonds)
+        orders = dict.fromkeys((tuple(sorted((a.index, b.index))) for a, b in self._bonds), (None, None))
+        for bond in structure.topology.bonds():
+            if bond[0] in self._copies and bond[1] in self._copies:
+                pair = sorted(self._copies[atom].index for atom in bond[:2])
+                orders[tuple(pair)] = bond.type, bond.order
         atoms = list(self._topology.atoms())
-        for first, second in pairs:
-            self._topology.addBond(atoms[first], atoms[second])
+        for (first, second), order in orders.items():
+            self._topology.addBond(atoms[first], atoms[second], *order)
         sources = np.array(self._sources)
         positions = np.array(self._positions)
         positions[sources >= 0] = structure.positions[sources[sources >= 0]]
