@@ -35,7 +35,7 @@ def setBondLengths(force: StericExclusionForce, positions: Array, bondLength: Ar
     Raises
     ------
     ValueError
-        if a length is not positive, their number is not that of ball joints, or two bonded particles are at one place
+        if a length is not positive, their number is wrong, or two bonded particles are at one place
     """
     count = force.getNumParticles()
     positions = positionsInNm(positions, count)

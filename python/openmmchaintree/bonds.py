@@ -1,4 +1,4 @@
-"""The bonds of a Topology as a graph, with or without those of disulfides and metals; links and loops of polymers."""
+"""The bonds of a Topology as a graph, with or without disulfides and bonds of metals; links and loops of polymers."""
 
 from collections.abc import Iterable
 from functools import cached_property
@@ -36,7 +36,7 @@ class BondGraph(BondSearch):
     def __init__(
         self, topology, positions=None, cutDisulfides=False, cutMetals=False, closures=(), fixed=(), others=(), beads=()
     ):
-        """Find the bonds of a Topology: those it has, those of residue templates, and, with positions, by distance.
+        """Find the bonds of a Topology: its own, by residue templates, and, with positions, by distance.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""Finding the bonds of a Topology: those it has, those of residue templates, and bonds by distance."""
+"""Finding the bonds of a Topology: its own, by residue templates, and by distance."""
 
 from collections import defaultdict
 from itertools import pairwise

@@ -76,14 +76,14 @@ def findClashes(
         a PDB, mmCIF or BinaryCIF file, plain or compressed. Of alternate conformers, the one of highest occupancy is
         used.
     trajectory : str or Path, optional
-        a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the same atoms, searched instead of the models of the structure
+        a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the same atoms, searched instead of the structure's models
     radii : str, optional
         "all-atom" or "united-atom". Default: "all-atom" for molecules that show their hydrogens, "united-atom" for
         others.
     water, ions : bool
         include water, and ions that nothing binds
     periodic : bool
-        whether atoms count in all images of the periodic box, that of each frame or else of the structure
+        whether atoms count in all images of the periodic box, which each frame or else the structure has
     symmetry : bool
         whether the copies of a crystal count: those by all operations of the space group of the structure, and by
         vectors of its cell. Equivalent clashes are listed once, with the operation as `Clash.operator`. An atom on an

@@ -6,7 +6,7 @@ from .images import vectorsOf
 
 
 def contextOf(force, box=None):
-    """Return a Context of a System with nothing but a StericExclusionForce, on the Reference platform.
+    """Return a Context of a System with a StericExclusionForce alone, on the Reference platform.
 
     box : (3, 3) array, nm, the vectors of the periodic box in OpenMM's reduced form; None: OpenMM's default
     """

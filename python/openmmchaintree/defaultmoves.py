@@ -64,7 +64,7 @@ def addDefaultMoves(
     """Add moves that suit a System to an integrator: for proteins, nucleic acids, chains of beads, other molecules.
 
     The weights for folded proteins maximize the number of independent samples a second of torsions and of the RMSD in
-    implicit solvent (benchmarks/moves.py), those for loose chains and beads that of the radius of gyration. Backbones
+    implicit solvent (benchmarks/moves.py); for loose chains and beads, of the radius of gyration. Backbones
     of proteins and nucleic acids get closed and local moves, which keep the rest of a chain in place, turns of the ends
     of chains, and few turns elsewhere. Side chains get small turns, and are drawn from the density of their rotamers:
     mostly from their first torsion on, which is the slowest. Side chains at the ends of chains are drawn more often,
@@ -84,9 +84,9 @@ def addDefaultMoves(
     integrator : TorsionMonteCarloIntegrator
         the integrator, which keeps the moves that it has
     topology : openmm.app.Topology
-        of the System
+        the Topology of the System
     system : openmm.System
-        with a StericExclusionForce, whose torsions and ball joints get moves
+        a System with a StericExclusionForce, whose torsions and ball joints get moves
     disordered : bool
         whether chains are loose, as in disordered proteins: then backbones are mostly drawn from the density of
         residues in loops, and get large turns
@@ -99,7 +99,7 @@ def addDefaultMoves(
     Raises
     ------
     ValueError
-        if the System's particles are not as many as the Topology's atoms, if it does not have exactly one
+        if the System's particles and the Topology's atoms differ in number, if the System does not have exactly one
         StericExclusionForce, or if nothing can move
     """
     scene = MoveScene(topology, system)

@@ -90,7 +90,7 @@ def ramachandranDensities(
 ) -> DrawnTorsions:
     """Find φ and ψ of the residues of a Topology, with their density in loops.
 
-    A set is φ and ψ of a residue, or the one of them that is a torsion of the force. Its density is a table of the
+    A set is φ and ψ of a residue, or only φ or ψ if the force lacks the other. Its density is a table of the
     frequencies of φ and ψ in residues of its kind outside helices and strands, in bins of 12°: the loops of the
     Ramachandran Z-score (Sobolev et al., Structure 28, 1249 (2020)). Residues before a proline have a separate table.
     Prolines have the density of ψ in trans prolines. D-amino acids have the mirror images. Residues that are no amino

@@ -4,7 +4,7 @@ import importlib
 
 
 def importExtra(module, purpose, raising=ImportError):
-    """Import and return a module of a package that the package's core does without.
+    """Import and return a module of a package that the core does not need.
 
     Raises
     ------

@@ -19,7 +19,7 @@ def noteOnImages(force, positions, box, names, spaceGroup=""):
     positions : (n, 3) float64 array, nm, with molecules made whole
     box : (3, 3) array, nm, a vector a row; None without one
     names : list of AtomName
-    spaceGroup : str, that of a crystal, empty if all its copies are periodic images
+    spaceGroup : str, the space group of a crystal, empty if all its copies are periodic images
 
     Returns
     -------
@@ -35,7 +35,7 @@ def noteOnImages(force, positions, box, names, spaceGroup=""):
 
 
 def noteOnOtherCopies(spaceGroup):
-    """Return a Note that of the copies of a crystal only periodic images count; spaceGroup : str"""
+    """Return a Note that only periodic images count of the copies in a crystal; spaceGroup : str"""
     return Note(f"of the copies of the crystal ({spaceGroup}), only images of its cell count (see clashes --symmetry)")
 
 

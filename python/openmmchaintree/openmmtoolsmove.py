@@ -90,7 +90,7 @@ def _refuseEnergyOf(force, isOff, context):
     if isOff:
         if force.getForceConstant()._value > 0:
             raise ValueError(
-                "TorsionMonteCarloMove: spheres count for nothing in trials, but have an energy to openmmtools: call "
+                "TorsionMonteCarloMove: trials ignore the spheres, but openmmtools gives them an energy: call "
                 "setForceConstant(0) of the StericExclusionForce before its System becomes a state, or "
                 "setStericMode(integrator.Hard)"
             )
@@ -98,6 +98,6 @@ def _refuseEnergyOf(force, isOff, context):
     count = len(force.getClashes(context)[0])
     if count > 0:
         raise ValueError(
-            f"TorsionMonteCarloMove: {count} pairs of atoms clash, which has an energy to openmmtools, but none to "
-            "hard spheres: relax the positions, or call setStericMode(integrator.Soft)"
+            f"TorsionMonteCarloMove: {count} pairs of atoms clash: openmmtools gives them an energy, hard spheres "
+            "none. Relax the positions, or call setStericMode(integrator.Soft)"
         )

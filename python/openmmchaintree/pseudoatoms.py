@@ -63,7 +63,7 @@ def _siteName(kind, residueName, name, hasElement):
 
 
 def _hasDrudeParticles(names):
-    """Whether a residue with these names of atoms has Drude particles, whose names look like those of deuterium."""
+    """Whether a residue with these names of atoms has Drude particles, whose names look like names of deuterium."""
     heavy = {name for name in names if name[:1].isalpha() and name[0] not in _HYDROGEN_LETTERS}
     return 2 * sum(_DRUDE + name in names for name in heavy) >= len(heavy)
 

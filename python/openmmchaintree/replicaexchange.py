@@ -49,7 +49,7 @@ class ParallelReplicaExchangeSampler(_Base):
     workers : int, optional
         the number of replicas that run at the same time; default: all
     seed : int, optional
-        the seed of the replicas' random numbers; default: that of the simulation's integrator, or a new one
+        the seed of the replicas' random numbers; default: the seed of the simulation's integrator, or a new one
 
     Raises
     ------
@@ -193,7 +193,7 @@ def _differInTemperature(states):
 
 
 def _stericGroup(system, integrator, states):
-    """Return the force group of hard spheres if its energy must be subtracted from those of states, else None."""
+    """Return the force group of hard spheres if their energy must be subtracted from energies of states, else None."""
     hasNoLimits = integrator.getStericMode() == integrator.Soft or integrator.hasSpheresOff()
     if hasNoLimits or _differInTemperature(states) or "groups" in states[0]:
         return None

@@ -120,7 +120,7 @@ class ClashReporter:
 
 
 class _Look:
-    """Finds the clashes of a Simulation: by the System's force, which knows the positions, or else by one of its own.
+    """Finds the clashes of a Simulation: by the System's force, which knows the positions, or by a separate force.
 
     include : the data of a State that it needs
     """

@@ -1,6 +1,6 @@
 """Amino acids, nucleotides and water by the names of residues and atoms.
 
-Names are those of the Protein Data Bank, as `openmm.app.PDBFile` gives them.
+Names follow the Protein Data Bank, as `openmm.app.PDBFile` gives them.
 """
 
 from functools import cache
@@ -83,12 +83,12 @@ def aminoAcid(name):
 
 
 def isMirrored(name):
-    """Whether a residue name is that of a D-amino acid."""
+    """Whether this residue name means a D-amino acid."""
     return name in _MIRRORED or (len(name) == 4 and name[0] == "D" and name[1:] in _SIDE_CHAINS)
 
 
 def isCalledWater(name):
-    """Whether a residue name is that of water."""
+    """Whether this residue name means water."""
     return name in _waters()
 
 
@@ -113,7 +113,7 @@ def _waters():
 
 
 def isAlphaCarbonOnly(residue):
-    """Whether a residue of a Topology is an amino acid with nothing but its Cα atom."""
+    """Whether a residue of a Topology is an amino acid with a Cα atom alone."""
     return aminoAcid(residue.name) is not None and [atom.name for atom in residue.atoms()] == ["CA"]
 
 
@@ -132,7 +132,7 @@ def isPolymer(residue):
 
 
 def isNucleotide(name):
-    """Whether a residue name is that of a nucleotide of DNA or RNA."""
+    """Whether this residue name means a nucleotide of DNA or RNA."""
     return nucleotide(name) is not None
 
 
@@ -143,7 +143,7 @@ def nucleotide(name):
 
 
 def isPolymerName(name):
-    """Whether a residue name is that of an amino acid, a nucleotide or a cap."""
+    """Whether this residue name means an amino acid, a nucleotide or a cap."""
     return aminoAcid(name) is not None or isNucleotide(name) or name in CAPS
 
 

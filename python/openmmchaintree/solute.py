@@ -61,7 +61,7 @@ def selectSolute(source, topology, positions, water=False, ions=False):
         else:
             kept.append(atom)
     if strange:
-        remedy = "give elements in columns 77 and 78 (type_symbol of mmCIF), or remove what is no atom from the file"
+        remedy = "give elements in columns 77 and 78 (type_symbol of mmCIF), or remove what is not an atom"
         raise InputError(f"{source}: {Note('atoms whose element is not known', strange)}: {remedy}")
     if not kept:
         raise InputError(f"{source}: {_NOTHING}")

@@ -70,7 +70,7 @@ def createStericExclusionForce(
 
     Bonds are taken from the Topology. Residues whose atoms these do not connect get the bonds of their template
     (OpenMM's tables, then the chemical component dictionary); with positions, bonds that are still missing, such as
-    those of metals, are found by distance. One warning of each kind reports gaps, bonds that the Topology lacks, and
+    bonds of metals, are found by distance. One warning of each kind reports gaps, bonds that the Topology lacks, and
     unbonded atoms at covalent distance that a torsion moves apart: a sign that a bond is missing. The warning's
     attribute `note` lists all of them.
 
@@ -126,7 +126,7 @@ def createStericExclusionForce(
     Beads are recognized in a System with energies of pairs: particles whose bonds are all longer than covalent bonds,
     as in CALVADOS, COCOMO and Mpipi. They have no radius by default, since their energies keep them apart, no torsions,
     and a ball joint at each bond, also of a Topology that calls them CA. Bonds stay as long as they are in the
-    positions (`setBondLengths` changes that). An elastic network of harmonic bonds, such as that of a folded domain,
+    positions (`setBondLengths` changes that). An elastic network of harmonic bonds, as in a folded domain,
     makes a part rigid: joints lie between such parts. Other bonds that close rings, and bonds between chains that the
     Topology lacks, are left to their energies. Warnings list these parts and bonds.
 

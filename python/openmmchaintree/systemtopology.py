@@ -46,7 +46,7 @@ def createTopology(
     Raises
     ------
     ValueError
-        if the number of elements is not that of particles, no element has a mass, or a bond names no particle
+        if the numbers of elements and particles differ, no element has a mass, or a bond names no particle
     """
     count = system.getNumParticles()
     found = _elementsByMass(system) if elements is None else [_asElement(element) for element in elements]
@@ -94,7 +94,7 @@ def _elementsByMass(system):
             continue
         element = app.Element.getByMass(mass)
         if element is None or abs(element.mass.value_in_unit(unit.dalton) - mass) > _MASS_TOLERANCE:
-            raise ValueError(f"particle {particle} has the mass {mass:g} Da, that of no element: give elements")
+            raise ValueError(f"particle {particle} has the mass {mass:g} Da, which no element has: give elements")
         elements.append(element)
     return elements
 

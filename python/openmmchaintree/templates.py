@@ -65,7 +65,7 @@ def atomAliases(residueName):
 
 @cache
 def _otherNames():
-    """Return OpenMM's tables of other names: those of residues, and for each residue those of its atoms."""
+    """Return OpenMM's tables of other names: for residues, and for the atoms of each residue."""
     app.PDBFile._loadNameReplacementTables()
     return app.PDBFile._residueNameReplacements, app.PDBFile._atomNameReplacements
 
@@ -103,5 +103,5 @@ def _orderOf(bondType):
 
 
 def mayBeHydrogen(name):
-    """Whether the name of an atom begins as those of hydrogen and deuterium."""
+    """Whether the name of an atom begins like a name of hydrogen or deuterium."""
     return name.lstrip("0123456789").startswith(("H", "D"))

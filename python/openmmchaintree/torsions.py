@@ -202,7 +202,7 @@ def _withRotatable(chosen, search, bonds):
 def ofAtoms(search, atoms):
     """Return a TorsionSearch with only the torsions whose third particle is one of the atoms.
 
-    Of torsions that were left out, whose particles are unknown, it keeps those of residues that have such an atom.
+    Of torsions that were left out, whose particles are unknown, it keeps torsions of residues that have such an atom.
     """
     chosen = set(atoms.tolist())
     torsions = [torsion for torsion in search.torsions if torsion.particles[2] in chosen]

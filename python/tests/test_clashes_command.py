@@ -158,7 +158,7 @@ def test_damagedTrajectoryKeepsWhatComesBefore(runHere, tmp_path, trajectory):
     result = runHere(*trajectory, "--json", "a.json", "--csv", "a.csv", "--picture", "a.png")
     assert result.returncode == 2
     damage = "villin.dcd: frame 2 (from 0) is cut off"
-    assert result.stderr == f"openmm-chaintree: {damage}; the results are those of the frames before it\n"
+    assert result.stderr == f"openmm-chaintree: {damage}; the results cover the frames before it\n"
     assert "2 frames: 0.5 clashes a frame" in result.stdout
     summary = json.loads((tmp_path / "a.json").read_text())
     assert summary["damage"] == damage and len(summary["frames"]) == 2

@@ -131,7 +131,7 @@ def test_villin(runHere, tmp_path):
     planned = "energy: amber14-all.xml at 310 K, no cutoff; native PeriodicTorsionForce, NonbondedForce; constant "
     assert planned in result.stdout
     assert f"U: {ends['first']:,.1f} kJ/mol at the start, {ends['mean']:,.1f} as the mean" in result.stdout
-    assert "note: the energy is that of a vacuum" in result.stdout
+    assert "note: the energy is computed in vacuum" in result.stdout
     for force in energy["forces"]:
         (line,) = [line for line in result.stdout.splitlines() if line.startswith(f"{force['name']} ")]
         assert f"{force['energy']:,.1f}  {force['kind']}" in line and line.endswith(force["reason"])

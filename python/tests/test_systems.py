@@ -229,7 +229,7 @@ def test_elementsAndBondsOfChoice():
     system = openmm.System()
     for mass in (15, 14, 14, 90, 15, 90):
         system.addParticle(mass)
-    with pytest.raises(ValueError, match="particle 0 has the mass 15 Da, that of no element: give elements"):
+    with pytest.raises(ValueError, match="particle 0 has the mass 15 Da, which no element has: give elements"):
         createTopology(system)
     elements = ["C", 6, app.element.carbon, None, "C", 0]
     topology = createTopology(system, elements, [(0, 1), (1, 2), (2, 4)])

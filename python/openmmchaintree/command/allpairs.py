@@ -87,7 +87,7 @@ def _nearPairs(positions, distance):
 
 
 class Verdict(NamedTuple):
-    """The result of `compare`: Overlaps up to those of the start, and Overlaps beyond their limits, with these."""
+    """The result of `compare`: Overlaps not above their initial values; Overlaps beyond their limits; these limits."""
 
     tolerated: Overlaps
     beyond: Overlaps

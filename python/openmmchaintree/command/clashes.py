@@ -33,7 +33,7 @@ def addArguments(clashes):
     clashes.add_argument(
         "trajectory",
         nargs="?",
-        help="a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the atoms of the structure, used instead of its models",
+        help="a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the structure's atoms, used instead of its models",
     )
     clashes.add_argument("--water", action="store_true", help="include water")
     clashes.add_argument("--ions", action="store_true", help="include ions")
@@ -97,7 +97,7 @@ def _run(options):
     printReport(summary, search, frames, writing.files, options.rows, ReportConsole(outputs.values()), options.verbose)
     errors = [writing.describeFailures()] if writing.failures else []
     if damage is not None:
-        errors.append(f"{damage}; the results are those of the frames before it")
+        errors.append(f"{damage}; the results cover the frames before it")
     if errors:
         printError("; ".join(errors))
         return BAD_INPUT

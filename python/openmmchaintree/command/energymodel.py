@@ -106,7 +106,7 @@ class EnergyModel:
         if any(StericExclusionForce.isinstance(force) for force in system.getForces()):
             raise InputError(f"--forcefield {' '.join(self.files)}: the command adds its own StericExclusionForce")
         if not any(map(_isSolvent, system.getForces())):
-            notes.append(Note("the energy is that of a vacuum: water is left out, and no file describes it otherwise"))
+            notes.append(Note("the energy is computed in vacuum: water is omitted, and no file adds a solvent"))
         if any(isinstance(force, openmm.CMAPTorsionForce) for force in system.getForces()):
             mirrored = [residue for residue in structure.topology.residues() if isMirrored(residue.name)]
             kind = "D-amino acids that the force field's maps of φ and ψ (CMAP) take for L-amino acids"

@@ -23,7 +23,7 @@ def addAtomMove(integrator, moves):
 
 
 def findScales(integrator, system, positions, platform):
-    """Return the scales of an atom move that adapt to trials from some positions, in a Context of their own.
+    """Return the scales to which an atom move adapts in trials from some positions, in a separate Context.
 
     integrator : TorsionMonteCarloIntegrator, whose temperature, seed and steric mode count
     platform : the platform and its properties, as openmm.Context takes them

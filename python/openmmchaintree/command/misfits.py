@@ -123,7 +123,7 @@ def _whyMisfit(forceField, residue, bonds):
         return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.lackingHydrogens < 0:
         return "with hydrogens too many", _OTHER_HYDROGENS, ""
-    return "whose bonds are not those of their names", "give their bonds in the file (CONECT, _struct_conn)", ""
+    return "whose bonds do not fit their names", "give their bonds in the file (CONECT, _struct_conn)", ""
 
 
 def templatesOf(forceField, residue):

@@ -84,7 +84,7 @@ def _sampleBy(workers, model, prepared, choice, saved):
 
 
 def _beginFiles(run, outputs, structure, settings, saved):
-    """Begin the files of a ReplicaRun, or resume those of a SavedRun. If one fails, remove the files of a new run."""
+    """Begin the files of a ReplicaRun, or resume a SavedRun's. If one fails, remove the files of a new run."""
     if saved is not None:
         saved.checkUnchanged()
         outputs["topology"].hold()

@@ -54,7 +54,7 @@ _CLOSED_WEIGHT, _CLOSED_STEP = 2.0, 12  # degrees
 
 
 class Frame(NamedTuple):
-    """Recorded data of a conformation. Counts are those of each move since the start: (moves, 4).
+    """Recorded data of a conformation; for each move, its counts since the start: (moves, 4).
 
     The energy is U in kJ/mol, None for hard spheres alone.
 

@@ -72,7 +72,7 @@ class SavedRun:
         return self.header["settings"]
 
     def checkSettings(self, settings):
-        """Refuse settings that differ from those of the run, except the number of trials."""
+        """Refuse settings that differ from the run's, except the number of trials."""
         names = {*self.settings, *settings}.difference(FREE_SETTINGS, ("trials",))
         for name in sorted(names):
             if self.settings.get(name) != settings.get(name):

@@ -1,7 +1,7 @@
 /* chaintree.h: exact clash tests and cutoff pairs for molecules that move in torsion space.
  *
- * The method is that of Lotan, Schwarzer, Halperin and Latombe, "Efficient Maintenance and Self-Collision Testing for
- * Kinematic Chains" (2002), cited below by section. Lengths are in nm, angles in rad, energies in kJ/mol.
+ * The method was published by Lotan, Schwarzer, Halperin and Latombe, "Efficient Maintenance and Self-Collision Testing
+ * for Kinematic Chains" (2002), cited below by section. Lengths are in nm, angles in rad, energies in kJ/mol.
  *
  * The scene. Particles are spheres. A particle of radius 0 moves with its link but is not modelled: it is in no clash
  * and in no neighbour pair. Every particle belongs to a *link*, a rigid set of particles. Links form a forest: each has
@@ -10,28 +10,28 @@
  * of its nodes caches the *shortcut*, the product of the joints across it (section 2.1), and a volume in its parent's
  * frame (section 2.2).
  *
- * A trial is propose -> test -> accept or reject. Proposing and testing change nothing that a query can see. A
- * rejected trial leaves every bit as it was. An accepted trial updates O(k log N) nodes for k changes, each node at
- * most once (section 3.1).
+ * A trial is propose -> test -> accept or reject. Proposing and testing change nothing that a query can see. A rejected
+ * trial leaves every bit as it was. An accepted trial updates O(k log N) nodes for k changes, each node at most once
+ * (section 3.1).
  *
  * The state is the reference positions, since then the rotation angle of each torsion and the rotation of each ball
  * joint, and the placement of each free link. Transforms are a pure function of that state. So errors do not grow with
  * the number of moves, and a state reached by accepted trials has the same bits as the same state built from scratch.
  *
  * Flexible scenes. There a trial may also displace particles within their links. The reference position of such a
- * particle becomes its place in its link as that stood at first. A torsion turns about the line between its two axis
- * particles wherever they are, and a ball joint about its particle. So the state of every joint is a placement: the
- * rotation of its link since the reference positions and the link's origin, in the parent's frame. Each turn rounds
+ * particle becomes its place in the frame that its link had at first. A torsion turns about the line between its two
+ * axis particles wherever they are, and a ball joint about its particle. So the state of every joint is a placement:
+ * the rotation of its link since the reference positions and the link's origin, in the parent's frame. Each turn rounds
  * them, by some 1e-16 of their size, so that errors grow about as in a random walk: distances at torsions of 0.15 nm
  * had drifted by 4e-13 nm after 1e8 trials of TestDrift.
  *
  * Closed windows. Torsions may turn so that what lies behind them stays where it is, up to rounding. A body that a
  * trial of two changes or more displaces by less than 2e-11 nm, roundings of the scene's size included, is merged with
  * what does not move, and one that moves as another body does, up to as much, with that one. Pairs within merged bodies
- * are neither tested nor listed, and their particles are not moved. The state itself is exact: only verdicts, and what
- * is kept for clients that sum over leaves, have an error. Each accepted trial adds what it has skipped to a bound of
- * that error. Before the bound reaches CT_SIGMA / 2, ctTestTrial checks all pairs of the state by their limits, and the
- * bound becomes the most that a pair is beyond its limit; kept positions are computed again. If that is too much,
+ * are neither tested nor listed, and their particles are not moved. The state itself is exact: only verdicts, and data
+ * kept for clients that sum over leaves, have an error. Each accepted trial adds its skipped displacements to a bound
+ * of that error. Before the bound reaches CT_SIGMA / 2, ctTestTrial checks all pairs of the state by their limits, and
+ * the bound becomes the most that a pair is beyond its limit; kept positions are computed again. If that is too much,
  * because rounding has moved a pair beyond its limit in very many trials or the state was not made by trials without
  * clashes, then trials are tested in full, as if no bodies were merged, until such a check finds less. The engine never
  * changes a limit on its own.
@@ -46,9 +46,8 @@
  *
  * Arguments. A pointer may be NULL where its description says so, and where it would be to an array without elements.
  * Any other NULL, a handle included, makes a call that returns a status return ctInvalidArgument, and any other call do
- * nothing and return 0, false, NULL or an empty text. Counts outside of 0 to CT_MOST_COUNT are errors; an array
- * has to have as many elements as its count says. A handle that has been freed must not be used.
- */
+ * nothing and return 0, false, NULL or an empty text. Counts outside of 0 to CT_MOST_COUNT are errors; an array has to
+ * have as many elements as its count says. A handle that has been freed must not be used. */
 #ifndef CHAINTREE_H_
 #define CHAINTREE_H_
 
@@ -182,9 +181,9 @@ const char* ctGetErrorText(const ctChainTree* tree);
 
 /* The instruction set that the scene's tests use: "avx512", "avx2" or "portable", the widest that the machine has.
  * Results have the same bits on each. The environment variable CHAINTREE_SIMD, set to one of these names when the scene
- * is made, asks for that one or, where the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree,
+ * is made, selects it or, if the machine lacks it, a narrower one. Likewise CHAINTREE_TRIALS=tree,
  * =boxes (the tree, with oriented boxes at all visits) or =clearances makes the engine test all trials in that way,
- * instead of in the way that costs least. Other values ask for nothing. */
+ * instead of in the way that costs least. Other values have no effect. */
 const char* ctGetInstructionSet(const ctChainTree* tree);
 
 /* True if a definition has the particles, links and joints that the scene was made from, wherever particles are and
@@ -220,7 +219,7 @@ void ctGetPositions(ctChainTree* tree, double* positions);
 /* The same for the open trial: the bits that ctGetPositions would give after ctAccept. */
 ctStatus ctGetTrialPositions(ctChainTree* tree, double* positions);
 
-/* The coordinates (nm) of `count` particles alone, three of each: the bits of ctGetPositions, or with `inTrial` the
+/* The coordinates (nm) of `count` particles, three of each: the bits of ctGetPositions, or with `inTrial` the
  * bits of ctGetTrialPositions. O(count log N), in a trial of k changes O((count + k) log N). Errors: an index
  * or the count out of range; `inTrial` without an open trial. */
 ctStatus ctGetPositionsOf(ctChainTree* tree, bool inTrial, int count, const int* particles, double* positions);
@@ -249,28 +248,28 @@ void ctGetState(const ctChainTree* tree, double* state);
  * numbers that are no state of this scene, such as an angle of a torsion whose axis has no length. */
 ctStatus ctSetState(ctChainTree* tree, const double* state);
 
-/* Makes all that follows have the bits that it has after ctSetState with the numbers of ctGetState: forgets what is
- * kept with an error (see above, closed windows). O(1), and O(N) in the next call. */
+/* Makes later results have the same bits as after ctSetState with the numbers of ctGetState: discards stored values
+ * that have an error (see above, closed windows). O(1), and O(N) in the next call. */
 void ctRenew(ctChainTree* tree);
 
-/* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: that of the reference positions plus the turns since,
- * or in a flexible scene that of the present positions, in O(log N). Errors: link out of range; not a torsion joint; a
- * dihedral that is undefined because three of its particles are collinear. */
+/* The dihedral p1-p2-p3-p4 of a torsion joint in (-pi, pi], rad: its value in the reference positions plus the turns
+ * since, or in a flexible scene its value in the present positions, in O(log N). Errors: link out of range; not a
+ * torsion joint; a dihedral that is undefined because three of its particles are collinear. */
 ctStatus ctGetTorsionAngle(ctChainTree* tree, int link, double* angle);
 
 /* The centroid (nm) of all particles, modelled or not, of a link and the links that hang on it. O(log N).
  * Errors: link out of range; a link with a fixed joint, since all of these are part of the world. */
 ctStatus ctGetCentroid(ctChainTree* tree, int link, double centroid[3]);
 
-/* The transform from the frame of linkB to that of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame moves
- * with it; in the reference positions its axes are the world's and its origin is the link's particle on the torsion
- * axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. It stays there
- * when that particle is displaced. Errors: link out of range. */
+/* The transform from the frame of linkB to the frame of linkA, by shortcuts, in O(log N) (section 2.1). A link's frame
+ * moves with it; in the reference positions its axes are the world's and its origin is the link's particle on the
+ * torsion axis, the particle about which a ball joint turns, or for other joints its lowest-numbered particle. It stays
+ * there when that particle is displaced. Errors: link out of range. */
 ctStatus ctGetRelativeTransform(ctChainTree* tree, int linkA, int linkB, ctTransform* transform);
 
 /* Writes the orientation of each link, in the order of the definition: the rotation (row-major) by which it is turned
- * against the reference positions. Between two states with the same reference positions, a link has turned by what its
- * orientation after has more than before. O(links log N). */
+ * against the reference positions. Between two states with the same reference positions, a link has turned by the
+ * product of its later orientation and the inverse of the earlier one. O(links log N). */
 void ctGetOrientations(ctChainTree* tree, double (*orientations)[9]);
 
 /* ---- Limits of single pairs ---- */
@@ -286,8 +285,8 @@ ctStatus ctSetLimits(ctChainTree* tree, int count, const int (*pairs)[2], const 
  * make its own state clash. *raised is the number of such pairs. */
 ctStatus ctRaiseLimits(ctChainTree* tree, int* raised, ctCounts* counts);
 
-/* *clash is true if some pair of the state overlaps beyond its limit: what ctTestTrial finds for pairs that a trial
- * moves, for all pairs. If there is a clash and pair is not NULL, pair holds one, lower index first. */
+/* *clash is true if some pair of the state overlaps beyond its limit: the test of ctTestTrial, for all pairs. If there
+ * is a clash and pair is not NULL, pair holds one, lower index first. */
 ctStatus ctTestState(ctChainTree* tree, bool* clash, int pair[2], ctCounts* counts);
 
 /* The number of pairs with a limit of their own; and the first `capacity` of them, sorted, particle1 < particle2. A
@@ -325,14 +324,14 @@ ctStatus ctAccept(ctChainTree* tree, ctCounts* counts);
 void ctReject(ctChainTree* tree);
 
 /* nm: the sum over all accepted trials of how far each may have displaced particles of merged bodies, which bounds the
- * error of what a client keeps for their pairs. */
+ * error of a client's stored results for their pairs. */
 double ctGetTotalShift(const ctChainTree* tree);
 
 /* True if a trial is open: proposed, and neither accepted nor rejected. */
 bool ctHasTrial(const ctChainTree* tree);
 
 /* How many trials have been proposed, how many of them were accepted, and how often the state has changed, by that or
- * otherwise: clients tell trials and states apart by these. */
+ * otherwise: clients distinguish trials and states by these. */
 int64_t ctGetTrialCount(const ctChainTree* tree);
 int64_t ctGetAcceptedCount(const ctChainTree* tree);
 int64_t ctGetChangeCount(const ctChainTree* tree);
@@ -340,8 +339,8 @@ int64_t ctGetChangeCount(const ctChainTree* tree);
 /* ---- Leaves: for clients that sum something over pairs of particles ---- */
 
 /* The tree's lowest nodes are leaves: CT_LEAF_WIDTH consecutive slots of the sequence, each of which holds a particle
- * or none. Particles with a radius, and those listed in the definition, have a slot. A client keeps what it has to know
- * of each particle in columns in this order, and what it has computed for each pair of leaves. */
+ * or none. Particles with a radius, and those listed in the definition, have a slot. A client stores its data
+ * of particles in columns in this order, and its results for pairs of leaves. */
 #define CT_LEAF_WIDTH 16
 
 /* Positions (nm, world) of the particles of a leaf; 0 where a slot holds none. */
@@ -375,8 +374,8 @@ typedef struct ctLeafPair {
 int ctGetLeafCount(const ctChainTree* tree);
 void ctGetLeafParticles(const ctChainTree* tree, int* particles);
 
-/* The positions of all leaves in the state, those of ctGetPositions up to rounding and, for merged bodies, CT_SIGMA /
- * 2; up to rounding alone after ctRenew. In a periodic box each molecule, that is a link with a free joint on the world
+/* The positions of all leaves in the state. They equal ctGetPositions up to rounding and, for merged bodies, CT_SIGMA /
+ * 2; after ctRenew up to rounding alone. In a periodic box each molecule, that is a link with a free joint on the world
  * and all that hangs on it, is shifted as a whole by some box vectors. The array belongs to the scene and is up to date
  * until the state changes. O(leaves that have moved since the last call). NULL if there is no memory. */
 const ctLeafPositions* ctGetLeaves(ctChainTree* tree);
@@ -396,7 +395,7 @@ int ctGetTrialLinks(ctChainTree* tree, const int** links);
 int ctGetTrialParticles(const ctChainTree* tree, const int** particles);
 
 /* The pairs of leaves of which the open trial moves some particles relative to each other, and whose boxes are at most
- * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends on nothing but
+ * cutoff (nm, > 0, may be INFINITY) apart before the trial or in it: each once, in an order that depends only on
  * the trial and the state. No two particles within the cutoff are lost to rounding: boxes are a little larger than
  * their particles need, by less than 1e-6 of their distance from the middle of the reference positions, in images by
  * less than 1e-5 of the scene's size. And the positions in the trial of all leaves, by the motions of ctGetTrialPieces;
@@ -447,9 +446,9 @@ ctStatus ctForEachClashWith(ctChainTree* tree, const double position[3], double 
 
 /* The least distance (nm), centre to centre, between a particle of one selection and a different particle of the other,
  * and the pair, in this order; excluded pairs and radius 0 included. Of pairs equally near it is the lowest, by its
- * first particle, then its second. Selections remember their nearest pair, whose distance now bounds the next search:
- * it costs least when they are kept and little moves in between. Errors: there is no such pair; a selection of another
- * scene. */
+ * first particle, then its second. Selections remember their nearest pair, whose present distance bounds the next
+ * search: keep selections, since a query costs least if little has moved since the last one. Errors: there is no such
+ * pair; a selection of another scene. */
 ctStatus ctGetMinimumDistance(ctChainTree* tree, ctSelection* selection1, ctSelection* selection2, double* distance,
                               int pair[2], ctCounts* counts);
 
@@ -461,7 +460,7 @@ ctStatus ctComputeEnergy(ctChainTree* tree, double k, double* energy, double* fo
 /* ---- For tests ---- */
 
 /* Recomputes transforms and bounds by brute force and compares. True if every cached value has the bits that the state
- * gives, every volume holds the particles below it, and no pair has less clearance than is kept for it. O(N^2). */
+ * implies, every volume holds the particles below it, and no pair has less clearance than is kept for it. O(N^2). */
 bool ctValidate(ctChainTree* tree);
 
 #ifdef __cplusplus
