@@ -11,6 +11,7 @@ from pathlib import Path
 import openmm
 import pytest
 from openmm import app, unit
+from openmmchaintree import createCalvadosSystem
 from pages import PROJECT, blocksOf, runCommand
 
 TUTORIALS = {
@@ -54,16 +55,12 @@ def test_thePageRunsFromTopToBottom(page, tmp_path, monkeypatch):
 
 
 def test_theSnippetForBeadsRuns(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(PROJECT / "examples" / "validation")
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OPENMM_DEFAULT_PLATFORM", "CPU")
-    from calvados import makeCalvados, serpentine
-
-    topology, system = makeCalvados("GSYRDFKAWELQTVNPHIC", 2, (12, 12, 12))
-    chain = serpentine(19)
+    topology, system, positions = createCalvadosSystem(["GSYRDFKAWELQTVNPHIC"] * 2, box=(12, 12, 12))
     Path("system.xml").write_text(openmm.XmlSerializer.serialize(system), encoding="utf-8")
     with open("top.pdb", "w", encoding="utf-8") as file:
-        app.PDBFile.writeFile(topology, [*chain, *(chain + 5)] * unit.nanometer, file)
+        app.PDBFile.writeFile(topology, positions * unit.nanometer, file)
     variables = {}
     with pytest.warns(UserWarning, match="36 harmonic bonds of beads stay"):
         for name, text in blocksOf("beads.md"):

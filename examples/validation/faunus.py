@@ -20,8 +20,7 @@ from pathlib import Path
 
 import numpy as np
 import openmm
-from calvados import RESIDUES, makeCalvados
-from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
+from openmmchaintree import TorsionMonteCarloIntegrator, createCalvadosSystem, createStericExclusionForce
 from slab import A1_LCD, TEMPERATURE, drawShapes, place
 
 _SALT = 0.15  # mol/l
@@ -32,8 +31,8 @@ _COULOMB = 138.935458  # kJ nm/mol
 
 def makeSystem(chains, box):
     """Return the System, and the permittivity of water. Its charges have no shift at the cutoff: Faunus has none."""
-    topology, system = makeCalvados(A1_LCD, chains, box, TEMPERATURE, _SALT)
-    yukawa = system.getForce(0)
+    topology, system, _ = createCalvadosSystem([A1_LCD] * chains, TEMPERATURE, ionicStrength=_SALT, box=box)
+    yukawa = system.getForce(1)
     coulomb = float(re.match(r"q\*([^*]+)\*", yukawa.getEnergyFunction())[1])
     yukawa.setEnergyFunction(re.sub(r"/r-[^)]+\)", "/r)", yukawa.getEnergyFunction()))
     with warnings.catch_warnings():
@@ -70,15 +69,15 @@ def timeOurs(system, positions, chains, trials, platform):
     return energy, 1e6 * spent / trials, moves.accepted / max(1, moves.attempted)
 
 
-def describe(positions, chains, box, permittivity, trials):
+def describe(system, positions, chains, box, permittivity, trials):
     """Return Faunus' input. Names of beads end with the charge, since the first and last residue have another one."""
     atoms, beads = {}, []
     for index, letter in enumerate(A1_LCD):
-        _, mass, charge, sigma, hydrophobicity, _ = RESIDUES[letter]
-        charge += (index == 0) - (index == len(A1_LCD) - 1)
+        sigma, hydrophobicity = system.getForce(0).getParticleParameters(index)
+        (charge,) = system.getForce(1).getParticleParameters(index)
         beads.append(f"{letter}{charge + 1}")
         atoms[beads[-1]] = (
-            f"{{name: {beads[-1]}, mass: {mass}, charge: {charge}, sigma: {10 * sigma}, epsilon: {0.2 * 4.184}, "
+            f"{{name: {beads[-1]}, mass: 1, charge: {charge}, sigma: {10 * sigma}, epsilon: {0.2 * 4.184}, "
             f"hydrophobicity: !Lambda {hydrophobicity}}}"
         )
     bonds = ", ".join(f"{{index: [{bead}, {bead + 1}]}}" for bead in range(len(beads) - 1))
@@ -145,7 +144,8 @@ def main():
         results[name] = timeOurs(system, positions, chains, trials, platform)
     if shutil.which("faunus"):
         trials = max(1, options.trials // _FEWER["Faunus"])
-        runs = [runFaunus(describe(positions, chains, box, permittivity, count)) for count in (1, trials + 1)]
+        inputs = [describe(system, positions, chains, box, permittivity, count) for count in (1, trials + 1)]
+        runs = [runFaunus(each) for each in inputs]
         results["Faunus"] = (runs[0][0], 1e6 * (runs[1][1] - runs[0][1]) / trials, runs[1][2])
     for name, (energy, microseconds, accepted) in results.items():
         print(f"{name:<22} {energy:12.2f} {microseconds:12.1f} {accepted:6.3f}", flush=True)

@@ -15,11 +15,11 @@ import warnings
 
 import numpy as np
 import openmm
-from calvados import makeCalvados, serpentine
 from openmm import unit
 from openmmchaintree import (
     TorsionMonteCarloIntegrator,
     addDefaultMoves,
+    createCalvadosSystem,
     createStericExclusionForce,
     setBondLengths,
 )
@@ -45,8 +45,7 @@ _RELAXATION = 200  # steps of moves before a run
 
 def drawShapes(sequence, count, seed):
     """Return `count` independent shapes of a chain alone, an (count, beads, 3) array around the origin."""
-    topology, system = makeCalvados(sequence, 1, (100.0, 100.0, 100.0), TEMPERATURE)
-    sampler = Moves(topology, system, serpentine(len(sequence)), seed)
+    sampler = Moves(*createCalvadosSystem(sequence, TEMPERATURE), seed)
     shapes = []
     for _ in range(count):
         sampler.integrator.step(10)
@@ -104,7 +103,7 @@ class Dynamics:
 def begin(options, isDense):
     """Return Moves of chains that have the shapes of single chains, after trials that remove overlaps."""
     shapes = drawShapes(options.sequence, options.chains, options.seed)
-    topology, system = makeCalvados(options.sequence, options.chains, options.box, TEMPERATURE)
+    topology, system, _ = createCalvadosSystem([options.sequence] * options.chains, TEMPERATURE, box=options.box)
     sampler = Moves(topology, system, place(shapes, options.box, isDense), options.seed)
     sampler.integrator.step(_RELAXATION)
     return sampler
@@ -202,7 +201,8 @@ def main():
         for sampler in options.samplers:
             made = begin(options, start == "dense")
             if sampler == "dynamics":
-                system = makeCalvados(options.sequence, options.chains, options.box, TEMPERATURE)[1]
+                sequences = [options.sequence] * options.chains
+                system = createCalvadosSystem(sequences, TEMPERATURE, box=options.box).system
                 made = Dynamics(system, getPositions(made.context), options.seed)
             run = Run(made, options.chains, options.seconds, options.samples)
             columns[f"{start}, {sampler}"], distances = report(f"{start}, {sampler}", run, options.box, length)

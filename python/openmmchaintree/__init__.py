@@ -15,9 +15,11 @@ registerParser()
 
 from . import _build  # noqa: E402
 from .bondlengths import setBondLengths  # noqa: E402
+from .calvados import CalvadosSystem, createCalvadosSystem  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
 from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
+from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
 from .errors import InputError  # noqa: E402
 from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
@@ -50,11 +52,13 @@ __all__ = [
     "AddedMove",
     "AddedMoves",
     "AtomName",
+    "CalvadosSystem",
     "Clash",
     "ClashError",
     "ClashReporter",
     "DrawnTorsions",
     "EnergyPlan",
+    "Ensemble",
     "FrameClashes",
     "InputError",
     "LeftOutTorsion",
@@ -72,12 +76,14 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "addDefaultMoves",
+    "createCalvadosSystem",
     "createStericExclusionForce",
     "createTopology",
     "findClashes",
     "findTorsions",
     "ramachandranDensities",
     "rotamerDensities",
+    "sampleEnsemble",
     "selectAtoms",
     "setBondLengths",
 ]

@@ -1,6 +1,7 @@
 """Where the beads of chains are: in a protein with all atoms, or on a lattice to start from."""
 
 import math
+from itertools import pairwise
 
 import numpy as np
 from openmm import app, unit
@@ -11,33 +12,45 @@ from .units import positionsInNm
 _LONGEST_STEP = 0.5  # nm, between the Cα atoms of neighbors
 
 
-def placesOfResidues(source, usesMassCenters):
-    """Return the names of residues by chain, and the places of their beads (nm)."""
-    positions = positionsInNm(source.positions, source.topology.getNumAtoms())
-    chains, places = [], []
-    for chain in source.topology.chains():
-        names, alphas, last = [], [], None
+def beadResidues(topology):
+    """Return the residues of each chain that become beads, those with a Cα atom, as a list of (residue, Cα atom)."""
+    chains = []
+    for chain in topology.chains():
+        found = []
         for residue in chain.residues():
-            atoms = list(residue.atoms())
-            alpha = next((atom for atom in atoms if atom.name == "CA" and atom.element is app.element.carbon), None)
-            if alpha is None:
-                continue
-            if last and math.dist(alphas[-1], positions[alpha.index]) > _LONGEST_STEP:
+            alphas = [atom for atom in residue.atoms() if atom.name == "CA" and atom.element is app.element.carbon]
+            found.extend((residue, alpha) for alpha in alphas[:1])
+        if found:
+            chains.append(found)
+    return chains
+
+
+def placesOfResidues(source, usesMassCenters):
+    """Return the names of residues by chain, and the places of their beads (nm): centers of mass, or Cα atoms.
+
+    source : an object with `topology` and `positions`
+    """
+    positions = positionsInNm(source.positions, source.topology.getNumAtoms())
+    chains = beadResidues(source.topology)
+    for chain in chains:
+        for (first, before), (second, after) in pairwise(chain):
+            if math.dist(positions[before.index], positions[after.index]) > _LONGEST_STEP:
                 raise InputError(
-                    f"chain {chain.id} has a gap between residues {last.id} and {residue.id}; build missing ones first"
+                    f"chain {first.chain.id} has a gap between residues {first.id} and {second.id}: first build the "
+                    "residues that are missing there"
                 )
-            last = residue
-            names.append(residue.name)
-            alphas.append(positions[alpha.index])
-            if usesMassCenters:
-                modelled = [atom for atom in atoms if atom.element is not None]
-                masses = [atom.element.mass.value_in_unit(unit.dalton) for atom in modelled]
-                places.append(np.average(positions[[atom.index for atom in modelled]], axis=0, weights=masses))
-            else:
-                places.append(alphas[-1])
-        if names:
-            chains.append(names)
-    return chains, np.array(places).reshape(-1, 3)
+    names = [[residue.name for residue, _ in chain] for chain in chains]
+    if usesMassCenters:
+        places = [_massCenter(residue, positions) for chain in chains for residue, _ in chain]
+    else:
+        places = [positions[alpha.index] for chain in chains for _, alpha in chain]
+    return names, np.array(places).reshape(-1, 3)
+
+
+def _massCenter(residue, positions):
+    atoms = [atom for atom in residue.atoms() if atom.element is not None]
+    masses = [atom.element.mass.value_in_unit(unit.dalton) for atom in atoms]
+    return np.average(positions[[atom.index for atom in atoms]], axis=0, weights=masses)
 
 
 def layOut(counts, bond, lengths=None):

@@ -5,15 +5,11 @@ residues of a chain that an elastic network holds.
 """
 
 import math
-import sys
-from pathlib import Path
 
 import numpy as np
 import openmm
 from openmm import app
-
-sys.path.append(str(Path(__file__).parents[2] / "examples" / "validation"))
-from calvados import RESIDUES, makeCalvados, serpentine  # noqa: E402
+from publishedcalvados import RESIDUES, makeCalvados, serpentine
 
 PROTEIN = "MGSYRDFKAWELQTVNPHICGSRYGGFSDKRNGSYGGE"  # all residues
 _APART = 3.5  # nm, between chains

@@ -1,4 +1,4 @@
-"""Which module may import which: the command, replicas, statistics, structures; the core below needs least."""
+"""Which module may import which: the command, replicas, statistics, structures, ensembles; the core below needs least."""
 
 import ast
 import re
@@ -19,15 +19,20 @@ from openmmchaintree.structures.trajectory import Trajectory
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
 # From the bottom up. The core is all modules that lie in no folder.
-_LAYERS = ("", "structures", "statistics", "replicas", "command")
+_LAYERS = ("", "structures", "statistics", "ensembles", "replicas", "command")
 _MODULES = {
     path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
     for path in _PACKAGE.rglob("*.py")
     if path.name not in ("__init__.py", "__main__.py", "openmmchaintree.py") or path.parent != _PACKAGE
 }
 
-# The public call that reads files imports what reads them when it is called.
-_LATE = {("clashes", "structures.clashsearch")}
+# Public calls of the core that need an extra import its modules when they are called.
+_LATE = {
+    ("clashes", "structures.clashsearch"),
+    ("ensemble", "ensembles.beadrun"),
+    ("ensemble", "ensembles.chainshape"),  # for annotations
+    ("ensemble", "statistics.estimates"),
+}
 
 # Packages that the core may import: always, and where one module says in one sentence what is missing.
 _NEEDED = {"openmm", "numpy", "openmmchaintree_forcefield", *sys.stdlib_module_names}

@@ -16,6 +16,7 @@ from .terminal import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED, Terminat
 _COMMANDS = {
     "sample": "sample the torsions of proteins and nucleic acids",
     "clashes": "find the clashes in a structure or trajectory",
+    "ensemble": "sample conformers of disordered proteins, a bead for each residue",
 }
 
 _OPTION_OF_CALL = {"setNativeEnergies(False)": "--no-native-energies"}
