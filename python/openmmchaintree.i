@@ -657,7 +657,7 @@ static const char* const ENERGY_KINDS[] = {"not sampled", "constant", "native", 
 %extend ChainTreePlugin::TorsionMonteCarloIntegrator {
 %pythoncode %{
     def computeSystemTemperature(self) -> Quantity:
-        """Get the temperature of the heat bath, a Quantity in K: the one that sampling has, since nothing moves in time.
+        """Get the temperature of the heat bath, a Quantity in K, which is the sampled temperature.
 
         StateDataReporter shows it in place of a kinetic temperature.
         """
@@ -971,7 +971,7 @@ def _setsAndDensities(torsions, density):
         residue. With p the density of the set, q its present values and q' the drawn ones, it is accepted with
         min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that the sampled distribution does not depend on the density.
 
-        A good density is one that U agrees with. For side chains and backbones of proteins, write
+        A good density is close to the sampled one. For side chains and backbones of proteins, write
 
             integrator.addDrawnMove(1, rotamerDensities(topology, force))
             integrator.addDrawnMove(1, ramachandranDensities(topology, force))

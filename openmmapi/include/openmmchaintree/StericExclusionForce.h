@@ -83,13 +83,13 @@ namespace ChainTreePlugin {
  *
  * <b>Periodic boundary conditions.</b> With setUsesPeriodicBoundaryConditions(true), every pair of particles counts in
  * all periodic images: a particle may clash with an image of another one, also of its own molecule. An exclusion holds
- * in all images of its pair. The box is that of the Context. A change of its vectors is taken up at the next query,
+ * in all images of its pair. The box is the Context's. A change of its vectors takes effect at the next query,
  * proposal or step: it rejects an open proposal, and limits may grow but not shrink. Half the box's width (the least
  * distance between opposite faces, which is the smallest of ax, by and cz) must be at least the largest distance at
  * which two particles clash, and the cutoff of each query. Molecules may be anywhere, but must be whole, as they are in
  * the Context: bonds connect positions as they are given, not their images.
  *
- * By default, distances are those between the given positions, and images count for nothing. If another Force of the
+ * By default, distances are those between the given positions, and images do not count. If another Force of the
  * System then uses periodic boundary conditions, creating a Context warns of this: on the standard error stream, or in
  * Python by a UserWarning.
  *
@@ -400,7 +400,7 @@ public:
                               const std::vector<int>& particles2, int& particle1, int& particle2) const;
     /**
      * Get the particles that overlap a probe, a sphere that is no particle, by more than the overlap tolerance. The
-     * hydrogen bond allowance plays no part. With periodic boundary conditions, images of particles count. Half the
+     * hydrogen bond allowance is not used. With periodic boundary conditions, images of particles count. Half the
      * box's width must then be at least the largest distance at which the probe clashes.
      *
      * @param context         the Context whose positions are used
@@ -463,8 +463,8 @@ public:
      * each other before the trial, or in it, or both. A pair energy is updated from these. Excluded pairs and particles
      * of radius 0 are left out, and so may be pairs whose distance changes only by rounding, up to 2e-11 nm, as behind
      * a closed window. It is an error if no trial is proposed. With periodic boundary conditions, distances are those
-     * of the nearest images, and the cutoff is at most half the box's width. Of a distance beyond half the box's width
-     * it is only certain that it is beyond: it may be that of a farther image.
+     * of the nearest images, and the cutoff is at most half the box's width. A distance beyond half the box's width
+     * may belong to a farther image.
      *
      * @param context      the Context in which the trial was opened
      * @param cutoff       the cutoff distance, above 0, in nm

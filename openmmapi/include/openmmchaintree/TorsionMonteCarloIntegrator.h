@@ -291,7 +291,7 @@ public:
      */
     enum EnergyKind {
         /**
-         * Nobody: it has no part in U.
+         * No code: it is not part of U.
          */
         NotSampled = 0,
         /**
@@ -387,7 +387,7 @@ public:
     /**
      * Set how the StericExclusionForce takes part in sampling. With Soft its energy is added to U, whether or not its
      * force group is one of the integration force groups. With Soft and Off no limit applies, and the initial clash
-     * policy plays no part. With Off the force has neither energy nor forces in the Context, also for other
+     * policy is not used. With Off the force has neither energy nor forces in the Context, also for other
      * integrators of a CompoundIntegrator.
      *
      * The mode may change between two steps. Hard steps after steps of other modes restart limits from the present
@@ -626,7 +626,7 @@ public:
      * With p the density of the set, q its present values and q' the drawn ones, it is accepted with
      * min(1, exp(-(U' - U)/kT) p(q)/p(q')), so that the sampled distribution does not depend on the density.
      *
-     * A good density is one that U agrees with, such as the density of rotamers for side chains, or of coil residues
+     * A good density is close to the sampled one, such as the density of rotamers for side chains, or of coil residues
      * for phi and psi. In Python rotamerDensities() and ramachandranDensities() find sets and densities in a Topology.
      *
      * The value of a torsion is defined in StericExclusionForce::addTorsion(). If a torsion has none, because three of

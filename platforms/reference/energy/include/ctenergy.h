@@ -2,16 +2,16 @@
  *
  * An energy belongs to a scene of chaintree.h and follows its state. It has two parts. *Terms* are functions of a few
  * particles: bonds, angles, torsions, any expression. *Pairs* are Lennard-Jones and Coulomb, of all pairs of particles
- * that are not excluded. Beside them, energies of *values* are computed as a whole wherever they are asked for. Lengths
+ * that are not excluded. Beside them, energies of *values* are computed as a whole at each call. Lengths
  * are in nm, angles in rad, energies in kJ/mol, charges in elementary charges.
  *
  * What is stored. The value of each term, and for each pair of near leaves (see chaintree.h) the sum over its pairs of
  * particles. The energy is the sum of these values, so it does not drift: each value belongs to the positions from
- * which it was computed. A trial computes the values that it changes beside those of the state, and they replace these
- * if the trial is accepted.
+ * which it was computed. A trial computes new values beside the stored ones, which they replace if the trial is
+ * accepted.
  *
- * What a trial changes. A term changes only if a torsion between its particles turns, and one does not count if they
- * keep their distances: a bond and an angle across the torsion's own bond never change. A trial that displaces
+ * What a trial changes. A term changes only if a torsion between its particles turns and changes their distances: a
+ * bond or an angle across the torsion's own bond never changes. A trial that displaces
  * particles changes all terms that hold one of them. A pair of leaves changes unless both lie in one rigid body of the
  * trial.
  *
@@ -19,13 +19,13 @@
  * values belong are off by at most CT_MOST_LAG: before they are off by more, ctAcceptEnergyChange refreshes all values.
  *
  * Accuracy. Terms are in double. Pairs are in single precision, from coordinates relative to the leaves, and summed in
- * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. Between C libraries only those
- * of expressions may differ, which use its exp, log, sin and the like, of torsions by their phases' cosines, and of
- * Ewald summation by its erf.
+ * double: about 1e-6 kJ/mol a pair. Results have the same bits on each instruction set. With another C
+ * library, only results that use its functions may differ: expressions (exp, log, sin and others), torsions (the cosine
+ * of the phase) and Ewald summation (erf).
  *
  * Periodic boxes. In a scene with a box, pairs count in the image that is within the cutoff, which is at most half the
- * box's width. Terms are of the particles as they are, or of nearest images, see ctTermSet.isPeriodic: each difference
- * of positions is reduced as OpenMM does. Places are those of callers, without the shifts of molecules (see
+ * box's width. Terms use the positions as they are, or nearest images (ctTermSet.isPeriodic): each difference of
+ * positions is reduced as OpenMM does. Absolute positions are the callers', without the shifts of molecules (see
  * ctGetLeaves). Refreshing the energy in a box that is too narrow for a cutoff is an error.
  *
  * Errors and arguments. As in chaintree.h; what has no value is NaN. One scene can have one energy or more; handles of
@@ -56,12 +56,12 @@ extern "C" {
 typedef struct ctEnergy ctEnergy;
 
 /* Lennard-Jones and Coulomb between all particles: 4 epsilon ((sigma / r)^12 - (sigma / r)^6) + CT_COULOMB q1 q2 / r,
- * with sigma the mean of both particles' and epsilon the root of their product. With a cutoff, Coulomb becomes that of
- * a reaction field, CT_COULOMB q1 q2 (1 / r + k r^2 - c), k = (d - 1) / ((2 d + 1) cutoff^3), c = 3 d / ((2 d + 1)
+ * with sigma the mean of both particles' and epsilon the root of their product. With a cutoff, Coulomb becomes a
+ * reaction field, CT_COULOMB q1 q2 (1 / r + k r^2 - c), k = (d - 1) / ((2 d + 1) cutoff^3), c = 3 d / ((2 d + 1)
  * cutoff), d the dielectric. With an ewaldAlpha it is CT_COULOMB q1 q2 erfc(ewaldAlpha r) / r, the direct space of
  * Ewald summation without its correction for excluded pairs. From the switching distance s to the cutoff,
- * Lennard-Jones is multiplied by 1 - 10 t^3 + 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). All numbers are finite, but
- * for a cutoff that is INFINITY. */
+ * Lennard-Jones is multiplied by 1 - 10 t^3 + 15 t^4 - 6 t^5, t = (r - s) / (cutoff - s). All numbers are finite,
+ * except a cutoff of INFINITY. */
 typedef struct ctNonbonded {
   const double* charges;    /* one a particle */
   const double* sigmas;     /* one a particle, nm */
@@ -74,7 +74,7 @@ typedef struct ctNonbonded {
   double ewaldAlpha;          /* 1/nm, at most CT_MOST_EWALD / cutoff; 0: none. Not with born */
 } ctNonbonded;
 
-/* Kinds of terms, with their particles and parameters, which are finite but for those of expressions. */
+/* Kinds of terms, with their particles and parameters. Parameters are finite, except in expressions. */
 typedef enum ctTermKind {
   ctHarmonicBondTerm,      /* 2; length, k: 1/2 k (r - length)^2 */
   ctHarmonicAngleTerm,     /* 3; angle, k: 1/2 k (theta - angle)^2 */
@@ -106,7 +106,7 @@ typedef enum ctMeasure {
 
 typedef struct ctInput {
   ctMeasure measure;
-  int particles[4]; /* as many as needed; 0: the term's first particle */
+  int particles[4]; /* one to four of them, by the measure; 0: the term's first particle */
 } ctInput;
 
 /* F(name, count, value) for each operator that computes `value` from the results a, b, c of `count` earlier operations
@@ -160,8 +160,8 @@ typedef enum ctOperator {
   ctParameterOperator,   /* the term's parameter number a */
   CT_OPERATORS(CT_ENUMERATOR)
   ctImageLengthOperator, /* of terms alone: the length of the difference (a, b, c) of positions, nm. With isPeriodic in
-                            a periodic box, that of the nearest image */
-  ctTableOperator        /* not of terms: table number v of as many of a, b, c as it has dimensions */
+                            a periodic box, of the nearest image */
+  ctTableOperator        /* not of terms: table number v of a, of a and b, or of a, b and c, by its dimensions */
 } ctOperator;
 #undef CT_ENUMERATOR
 /* clang-format on */
@@ -211,19 +211,19 @@ typedef struct ctTable {
   const double* values;
 } ctTable;
 
-/* The particles of one set interact with those of another. A pair that both orders give counts once. */
+/* The particles of one set interact with the particles of another. A pair that occurs in both orders counts once. */
 typedef struct ctInteractionGroup {
   int counts[2];
   const int* particles[2];
 } ctInteractionGroup;
 
 /* An expression of the distance and the parameters of two particles, which has to be the same in either order, summed
- * over pairs of particles. Of its operations, input 0 is the distance in nm; parameter p < parametersPerParticle is
- * that of one particle, and parametersPerParticle + p of the other. From the switching distance s to the cutoff it is
- * multiplied as Lennard-Jones is in ctNonbonded. It is computed in single precision, with an error of some units in the
- * last place of each operation, by functions of our own. Where that is not finite, or some number is beyond floats, or
- * an angle beyond 2^20 rad, it is computed in double by the C library's. What depends on one particle alone is computed
- * once, so that it costs nothing. */
+ * over pairs of particles. Of its operations, input 0 is the distance in nm; parameter p < parametersPerParticle
+ * belongs to one particle, and parametersPerParticle + p to the other. From the switching distance s to the cutoff it
+ * is multiplied as Lennard-Jones is in ctNonbonded. It is computed in single precision, with an error of some units in
+ * the last place of each operation, by functions of our own. Where that is not finite, or some number is beyond floats,
+ * or an angle beyond 2^20 rad, it is computed in double by the C library's functions. Parts that depend on one particle
+ * alone are computed once, and cost nothing. */
 typedef struct ctPairSet {
   int operationCount; /* 1 to CT_MOST_OPERATIONS */
   const ctOperation* operations;
@@ -235,25 +235,24 @@ typedef struct ctPairSet {
   double switchingDistance;  /* nm; not below the cutoff: no switch; not read without one */
   int exclusionCount;
   const int (*exclusions)[2];
-  int groupCount; /* 0: all pairs count; else those of each group, once a group */
+  int groupCount; /* 0: all pairs count; else the pairs of each group, once a group */
   const ctInteractionGroup* groups;
 } ctPairSet;
 
 /* Generalized Born solvation. Particle i has the Born sum I_i = sum over j != i of v(r; o_i, s_j) + neckScale n_ij(r),
  *   v(r; o, s) = 0 if r + s < o; else 1/2 (1/L - 1/U + 1/4 (r - s^2 / r) (1/U^2 - 1/L^2) + 1/2 log(L / U) / r),
  *     U = r + s, L = max(o, |r - s|), and 1/o - 1/L more where o < s - r if spheres within others are filled,
- *   n_ij(r) = m / (1 + 100 (r - d)^2 + 0.3e6 (r - d)^6) if r <= R_i + R_j + neckCut, else 0, where m and d are those of
- *     neckTypes[i] + neckTypeCount * neckTypes[j],
+ *   n_ij(r) = m / (1 + 100 (r - d)^2 + 0.3e6 (r - d)^6) if r <= R_i + R_j + neckCut, else 0, where m and d have the
+ *     index neckTypes[i] + neckTypeCount * neckTypes[j],
  * and the Born radius B_i = 1 / (1/o_i - tanh(alpha p - beta p^2 + gamma p^3) / R_i), p = I_i o_i, or without rescaling
  * 1 / (1/o_i - I_i). Here o is the offset radius, s the scaled one, R the whole one. The energy is the sum over i of
  *   -1/2 coulomb (1/soluteDielectric - exp(-kappa B_i) / solventDielectric) q_i^2 / B_i
  *     + surfaceEnergy (R_i + probeRadius)^2 (R_i / B_i)^6,
- * and over all pairs i < j, excluded or not, of
+ * and the sum over all pairs i < j, excluded or not, of
  *   -coulomb (1/soluteDielectric - exp(-kappa f) / solventDielectric) q_i q_j (1/f - shift),
  *     f = sqrt(r^2 + B_i B_j exp(-r^2 / (4 B_i B_j))).
- * With a cutoff, pairs that are farther apart count in no sum. All numbers are finite, but for a cutoff that is
- * INFINITY.
- */
+ * With a cutoff, pairs that are farther apart count in no sum. All numbers are finite, except a cutoff of
+ * INFINITY. */
 typedef struct ctBorn {
   const double* charges;     /* one a particle, as all arrays up to neckTypes */
   const double* radii;       /* nm, > 0 */
@@ -282,22 +281,22 @@ typedef struct ctBorn {
 } ctBorn;
 
 /* What trials see instead of nonbonded and born, a function U1 of the state that is near both: Lennard-Jones, Coulomb
- * and Born pairs within `pairCutoff`, less what the last two together are there, times 10.6 x^2 - 16.2 x^3 + 6.6 x^4
- * with x = (r / pairCutoff)^2. Excluded pairs have no Lennard-Jones and Coulomb energy, but that is taken from them,
- * too. What pairs are at the cutoff is a sum of products of functions of either radius, and exponentials in pairs are
- * polynomials within 1e-4, since trials need no more; a pair has 1e6 kJ/mol at most. Born sums are those over particles
- * within `bornCutoff`, of each less s^3 / (3 bornCutoff^4) (-2.2 + 3.4 (r / bornCutoff)^2), and a constant of each
- * particle that stands for those farther away (see ctRenewStandIn). In pairs, ln B is rounded to a multiple of
- * gridWidth, and the first order of what that neglects is added: a radius changes all pairs of its particle only if it
- * crosses the middle between two of the grid. The grid is that wide for charges of half an elementary one, wider (up to
- * four times) for smaller ones, as the power -0.4 of the charge. */
+ * and Born pairs within `pairCutoff`, less the last two's value at that distance, times 10.6 x^2 - 16.2 x^3 + 6.6 x^4
+ * with x = (r / pairCutoff)^2. Excluded pairs have no Lennard-Jones and Coulomb energy, but that value is subtracted
+ * for them, too. The value at the cutoff is approximated by a sum of products of functions of either radius, and
+ * exponentials in pairs by polynomials within 1e-4, since trials need no more; a pair has 1e6 kJ/mol at most. Born sums
+ * are over particles within `bornCutoff`, each contribution less s^3 / (3 bornCutoff^4) (-2.2 + 3.4 (r /
+ * bornCutoff)^2), and a constant of each particle replaces particles farther away (see ctRenewStandIn). In pairs, ln B
+ * is rounded to a multiple of gridWidth, and the neglected difference is added in first order: a radius changes all
+ * pairs of its particle only if it crosses the middle between two grid points. The grid is that wide for charges of
+ * half an elementary one, wider (up to four times) for smaller ones, as the power -0.4 of the charge. */
 typedef struct ctStandIn {
   double bornCutoff; /* nm, 1e-3 to CT_MOST_LENGTH, as the next */
   double pairCutoff;
   double gridWidth; /* 1e-4 to 1 */
 } ctStandIn;
 
-/* What an expression of a ctValueEnergy is of. */
+/* What an expression of a ctValueEnergy depends on. */
 typedef enum ctExtent {
   ctOfParticles,
   ctOfPairs,   /* that are not excluded */
@@ -313,13 +312,13 @@ typedef struct ctValueExpression {
   const ctTable* tables;
 } ctValueExpression;
 
-/* An energy of values that particles have, such as radii that depend on where all others are. The numbers of a particle
+/* An energy of values that particles have, such as radii that depend on all other particles. The numbers of a particle
  * are its parameters, then its values, then its coordinates. Each value is an expression of the numbers before it and
  * of coordinates, or the sum over all other particles within the cutoff of an expression of pairs. The energy is the
  * sum of the terms: expressions of particles, summed over all, and of pairs, which have to be the same in either order,
- * summed over those within the cutoff.
+ * summed over all pairs within the cutoff.
  *
- * In operations of particles, parameter p is number p. In those of pairs there are no coordinates: input 0 is the
+ * In operations of particles, parameter p is number p. In operations of pairs there are no coordinates: input 0 is the
  * distance, parameter p < parametersPerParticle + valueCount is that number of one particle (in a value, of the one
  * that has it), and the following parameters are of the other. Expressions of pairs are computed as in ctPairSet,
  * expressions of particles in double by the C library's functions. */
@@ -358,12 +357,12 @@ typedef enum ctEnergyPart {
 
 enum { CT_ENERGY_PARTS = 3 };
 
-/* nm. A tenth of the work of a pivot is in pairs so near, and more than half of what pairs refuse. */
+/* nm. In a pivot, pairs this near take a tenth of the work and make more than half of the rejections by pairs. */
 #define CT_NEAR_LEAVES 0.02
 
 /* Makes the energy of a scene, in which every particle that is in a term or, with nonbonded, every particle must stand
- * in a leaf (see ctDefinition.listed). On failure *energy is NULL and errorText says why. O(N + terms). Errors: what
- * contradicts the comments above; a count below 0, or so large that some multiple of it is no int. */
+ * in a leaf (see ctDefinition.listed). On failure *energy is NULL and errorText says why. O(N + terms). Errors:
+ * a definition that contradicts the comments above; a count below 0, or so large that a multiple of it is no int. */
 ctStatus ctCreateEnergy(ctChainTree* tree, const ctEnergyDefinition* definition, ctEnergy** energy, char* errorText,
                         size_t errorSize);
 
@@ -385,51 +384,51 @@ ctStatus ctRefreshEnergy(ctEnergy* energy, ctCounts* counts);
 /* True if the stored values belong to the scene's state; else refresh the energy before the next trial. */
 bool ctIsEnergyOfState(const ctEnergy* energy);
 
-/* The energy of the state as of the last refresh and all changes accepted since: of all pairs (with born, that of the
- * stand-in), of a pair set, and of a term set. O(stored values). NaN or infinite if some pair or term is; NaN if there
- * is no such set, 0 before the first refresh. */
+/* The energy of the state as of the last refresh and all changes accepted since: of all pairs (with born, the
+ * stand-in's), of a pair set, and of a term set. O(stored values). NaN or infinite if some pair or term is; NaN if
+ * there is no such set, 0 before the first refresh. */
 double ctGetPairEnergy(const ctEnergy* energy);
 double ctGetPairSetEnergy(const ctEnergy* energy, int pairSet);
 double ctGetTermEnergy(const ctEnergy* energy, int termSet);
 
-/* By how much the scene's open trial changes a part of the energy. Parts may be asked for in this order alone, each
- * once a trial; later ones may be left out if the trial is rejected. NaN if one of its values is, or some become
+/* By how much the scene's open trial changes a part of the energy. Parts must be computed in their order, each
+ * once a trial; later parts may be omitted if the trial is rejected. NaN if one of its values is, or some become
  * infinite and others finite. Errors: no trial; another part than the next; the energy has to be refreshed; no memory,
- * after which the parts are to be asked for from the first on. */
+ * after which all parts must be computed again. */
 ctStatus ctComputeEnergyChange(ctEnergy* energy, ctEnergyPart part, double* change, ctCounts* counts);
 
-/* With born, the change of near pairs is computed with the Born radii of the state, and so is not the opposite of that
- * of the way back, which begins with the radii of the trial. This is the change of near pairs on the way back, known
- * once all parts were computed; without born the opposite of the change. A test of near pairs alone with the
+/* The change of near pairs for the reverse trial. With born, the change of near pairs is computed with the Born radii
+ * before a trial, so the reverse trial's is not its opposite: this one is known once all parts were computed. Without
+ * born it is the opposite of the change. A test of near pairs alone with the
  * probability a(change) has to be followed by one that multiplies by a(change back) / a(change). */
 double ctGetNearChangeBack(const ctEnergy* energy);
 
 /* To be called after ctAccept of a trial of which all parts were computed, and before anything else changes the state:
- * makes its values those of the state, or refreshes all. Errors: a part was not computed, this is not the state to
+ * makes its values the stored ones, or refreshes all. Errors: a part was not computed, this is not the state to
  * which that trial has led, or there is no memory; the energy has to be refreshed then. */
 ctStatus ctAcceptEnergyChange(ctEnergy* energy);
 
 /* ---- Energies of values ---- */
 
-/* The value energies of the scene's state, or of its open trial, recomputed at each call: functions of the
- * positions alone. So that of a trial has the same bits once it is the state. NaN or infinite if some number is. The
- * parts above do not contain them. O(N^2) without cutoffs. Errors: `inTrial` without an open trial. */
+/* The value energies of the scene's state, or of its open trial, recomputed at each call: functions of the positions
+ * alone, so a trial's energies have the same bits once it is the state. NaN or infinite if some number is. The parts
+ * above do not contain them. O(N^2) without cutoffs. Errors: `inTrial` without an open trial. */
 ctStatus ctComputeValueEnergies(ctEnergy* energy, bool inTrial, double* energies);
 
 /* ---- Two levels ---- */
 
-/* The energies that the stand-in stands for, of the scene's state, recomputed at each call; that of Born is NaN
- * if some Born radius is not a positive number. Without born, the stored pair energy, and 0. O(N^2) without
+/* The energies that the stand-in approximates, of the scene's state, recomputed at each call; `born` is NaN if some
+ * Born radius is not a positive number. Without born, the stored pair energy, and 0. O(N^2) without
  * cutoffs. */
 ctStatus ctComputeWholeEnergy(ctEnergy* energy, double* nonbonded, double* born, ctCounts* counts);
 
-/* Makes the constant of each particle what the state has beyond bornCutoff, unless that is not finite, and refreshes
+/* Sets the constant of each particle to its Born sum beyond bornCutoff in the state, if that is finite, and refreshes
  * the energy. Without born, refreshes it. O(N^2). */
 ctStatus ctRenewStandIn(ctEnergy* energy, ctCounts* counts);
 
-/* The constants: one a particle, in its order; 0 before the first renewal. Setting them leaves an energy that has to be
- * refreshed; so does restoring a copy that was saved with others. Without born there are none to read or write.
- * Errors: a constant that is not finite as a float. */
+/* The constants: one a particle, in its order; 0 before the first renewal. After setting them, or restoring a copy that
+ * was saved with others, refresh the energy. Without born there are none to read or write. Errors: a constant that is
+ * not finite as a float. */
 void ctGetStandIn(const ctEnergy* energy, double* constants);
 ctStatus ctSetStandIn(ctEnergy* energy, const double* constants);
 

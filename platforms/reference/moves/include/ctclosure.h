@@ -1,21 +1,20 @@
-/* ctclosure.h: windows of torsions that turn so that all behind them stays where it is.
+/* ctclosure.h: windows of torsions that turn while the chain behind them stays in place.
  *
- * A window is a row of torsions along a chain. Turning torsion i by a_i turns all that lies behind it about its axis,
- * so the tail, what lies behind the last one, moves by the product E_0(a_0) E_1(a_1) ... E_n-1(a_n-1), where E_i(a) is
+ * A window is a row of torsions along a chain. Turning torsion i by a_i turns the chain behind it about its axis, so
+ * the tail, the chain behind the last torsion, moves by the product E_0(a_0) E_1(a_1) ... E_n-1(a_n-1), where E_i(a) is
  * the rotation by a about axis i as the axis lies now. The window closes if this product is the identity. Six of its
  * torsions, the pivots, are solved for; the others, the drivers, are given.
  *
  * With U uniform in torsions and both ends fixed, the density per volume of the drivers is 1/|J|, J being the 6 x 6
- * determinant of the pivots' screws (u, r x u). So a move whose drivers are drawn alike both ways is accepted with
- * |J| / |J'| beside exp(-beta dU), unprimed before it, if what leads there leads back: Newton's method from the new
- * state has to end on the old one. A move that draws one of all closures by weights g, which are the same both ways,
- * has the ratio |J| Z / (|J'| Z') with the sums Z of the weights of all closures; the state that it comes from has to
- * be among those of the way back.
+ * determinant of the pivots' screws (u, r x u). So a move that draws drivers with the same density in both directions
+ * is accepted with |J| / |J'| exp(-beta dU), where the prime marks the new state, if it is reversible: Newton's method
+ * from the new state has to end on the old one. A move that draws one of all closures by weights g, which are the same
+ * in both directions, has the ratio |J| Z / (|J'| Z') with the sums Z of the weights of all closures; the old state has
+ * to be among the closures of the reverse move.
  *
  * Lengths are in nm, angles in rad. No call allocates memory. Everything is a pure function of its arguments. Pointers
  * may be NULL nowhere: then a call does nothing and returns false, 0 or NaN. Numbers that are not finite, or too large
- * for the squares of their products, make results that are none, and nothing worse.
- */
+ * for the squares of their products, make invalid results, but no other harm. */
 #ifndef CT_CLOSURE_H_
 #define CT_CLOSURE_H_
 
@@ -50,9 +49,9 @@ void ctTurnWindow(const ctWindow* window, const double* angles, ctWindow* turned
  */
 double ctComputeLogJacobian(const ctWindow* window);
 
-/* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and gets those of the
- * pivots, in [-pi, pi]. The tail is where it was up to rounding: 5e-14 nm at 10 nm from the window. False if it does
- * not converge, or if the window is none: torsions out of order, parallel axes in a point, points on a line. */
+/* Closes a window by Newton's method, from where it is: `angles` holds the turns of the drivers, and receives the turns
+ * of the pivots, in [-pi, pi]. The tail is where it was up to rounding: 5e-14 nm at 10 nm from the window. False if it
+ * does not converge, or if the window is none: torsions out of order, parallel axes in a point, points on a line. */
 bool ctCloseNear(const ctWindow* window, double* angles);
 
 /* Finds all ways to close a window after the drivers' turns in `angles`: turns of the six pivots, in [-pi, pi], each

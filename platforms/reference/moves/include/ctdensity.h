@@ -1,15 +1,14 @@
 /* ctdensity.h: probability densities from which torsions are drawn, independent of their present values.
  *
- * A density belongs to a set of torsions, such as all those of a side chain, and is normalized: its integral over all
- * their angles is 1. What is drawn has exactly the density that is evaluated. It is above 0 everywhere, so that every
- * state can be left as well as reached; the caller sees to that by values above 0 or by a floor.
+ * A density belongs to a set of torsions, such as all torsions of a side chain, and is normalized: its integral over
+ * all their angles is 1. What is drawn has exactly the density that is evaluated. It is above 0 everywhere, so that
+ * every state can be left as well as reached; the caller sees to that by values above 0 or by a floor.
  *
  * Angles are in rad, densities per rad^torsionCount. A density is never changed once it is made, so threads can share
  * it. Only the two functions that make one allocate memory.
  *
  * Arguments. A function that makes a density returns NULL for what contradicts its comment, as it does without memory.
- * Other pointers may be NULL where a comment says so; elsewhere a call with NULL does nothing and returns 0 or NaN.
- */
+ * Other pointers may be NULL where a comment says so; elsewhere a call with NULL does nothing and returns 0 or NaN. */
 #ifndef CT_DENSITY_H_
 #define CT_DENSITY_H_
 
