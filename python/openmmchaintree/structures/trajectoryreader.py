@@ -36,8 +36,8 @@ def _answer(path, output):
     try:
         Reader = getattr(importlib.import_module(module), reader)
     except ImportError as error:
-        reason = f"{package}, which reads it, cannot be imported ({error}): pip install {package.lower()}"
-        return _refuse(output, reason)
+        advice = "pip install 'openmm-chaintree[tools]'"
+        return _refuse(output, f"{package}, which reads it, cannot be imported ({error}): {advice}")
     isDCD = suffix == ".dcd"
     try:
         file = Reader(str(path))
