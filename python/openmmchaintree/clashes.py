@@ -73,8 +73,8 @@ def findClashes(
     Parameters
     ----------
     structure : str or Path
-        a PDB, mmCIF, BinaryCIF or gro file, plain or compressed. Of alternate conformers, the one of highest occupancy
-        is used.
+        a PDB, mmCIF, BinaryCIF, gro, SDF or Mol2 file, plain or compressed. Of alternate conformers, the one of
+        highest occupancy is used.
     trajectory : str or Path, optional
         a DCD, XTC, TRR, NetCDF or HDF5 (MDTraj) file with the same atoms, searched instead of the structure's models
     radii : str, optional

@@ -91,7 +91,8 @@ def addStructure(parser):
     parser.add_argument(
         "structure",
         nargs="?",
-        help="a PDB, mmCIF or BinaryCIF file, plain or compressed (default: the villin headpiece in OpenMM's package)",
+        help="a PDB, mmCIF, BinaryCIF, gro, SDF or Mol2 file, plain or compressed (default: the villin headpiece in "
+        "OpenMM's package)",
     )
 
 

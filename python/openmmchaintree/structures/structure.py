@@ -79,7 +79,7 @@ def readStructure(path=None, model=0):
     Parameters
     ----------
     path : str or Path, optional
-        a PDB, mmCIF or BinaryCIF file, plain or compressed by gzip; default: the villin headpiece of OpenMM's package
+        a PDB, mmCIF, BinaryCIF, gro, SDF or Mol2 file, plain or compressed; default: OpenMM's villin headpiece
     model : int
         the number of the model, from 0
 

@@ -1,4 +1,4 @@
-"""Reading structure files: PDB, mmCIF and BinaryCIF, plain or compressed.
+"""Reading structure files: PDB, mmCIF, BinaryCIF, gro, SDF and Mol2, plain or compressed.
 
 gemmi reads them: it keeps all digits of coordinates, distinguishes alternates, links and models, and accepts many
 deviations from the formats. BinaryCIF, which gemmi cannot read, is decoded by biotite first.
@@ -9,13 +9,16 @@ import gzip
 import re
 import zlib
 from contextlib import contextmanager
+from pathlib import Path
 
 import gemmi
 
 from ..errors import InputError, firstLine
 from ..extras import importExtra
 from .elements import NO_ELEMENT, findElements
+from .grofile import readGro
 from .limits import readAtMost
+from .moleculefile import MOLECULE_SUFFIXES, readMolecules
 from .pdblines import repairLines
 
 # The first bytes of compressed files.
@@ -67,8 +70,13 @@ def readFile(path):
     """
     data = _readBytes(path)
     cells = damage = None
+    suffix = Path(str(path).lower().removesuffix(".gz").removesuffix(".bz2")).suffix
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
         structure = _readBinaryCIF(path, data)
+    elif suffix == ".gro":
+        structure, cells, damage = readGro(path, data.decode("utf-8", errors="replace"))
+    elif suffix in MOLECULE_SUFFIXES:
+        structure, damage = readMolecules(path, data.decode("utf-8", errors="replace"), suffix)
     elif _isMmCIF(data):
         structure = _readMmCIF(path, data.decode("utf-8", errors="replace"))
     else:
