@@ -12,8 +12,11 @@ from ..errors import InputError
 from ..naming import describeResidue, nameAtom
 from ..notes import Note, found
 from ..openmmchaintree import StericExclusionForce
-from ..residues import isMirrored
+from ..residues import isMirrored, isWater
 from ..solute import subset
+from ..structures.filekinds import rootOfXML
+from ..structures.structure import readStructure
+from .energysettings import EnergySettings
 from .misfits import describeMisfits, firstSentence, templatesOf
 from .templatenames import nameByTemplates
 
@@ -34,65 +37,44 @@ _IMPOSED = "2000*(1-cos(theta-wanted))"
 _MINIMIZING_ITERATIONS = 1000
 
 
-class EnergyModel:
-    """The force field, temperature and options that define the energy of a run.
-
-    Attributes
-    ----------
-    files : list of str
-        as the user named them
-    temperature : float, K
-    cutoff : float or None, nm
-    trialsPerOuterTest : int
-        as in TorsionMonteCarloIntegrator, 0 by default
-    areNative : bool
-        whether openmm-chaintree evaluates the Forces that it can
-    steric : str or None
-        OFF or HARD; None: the default for the force field
-    isFlexible : bool
-        whether bond lengths and angles change
-    """
+class EnergyModel(EnergySettings):
+    """The force field, temperature and options that define the energy of a run."""
 
     def __init__(
         self,
         files,
         temperature,
         cutoff=None,
-        trialsPerOuterTest=0,
         hydrogensAreAdded=False,
         someAreLeftOut=False,
-        areNative=True,
-        steric=None,
-        isFlexible=False,
         isPrepared=False,
+        **settings,
     ):
         """Read the files. Errors give other advice if hydrogens are added, atoms omitted, or structures prepared.
+
+        settings : as for EnergySettings
 
         Raises
         ------
         InputError
             if one of them cannot be read, or is not a force field
         """
-        self.files = list(files)
-        self.temperature = temperature
-        self.cutoff = cutoff
-        self.trialsPerOuterTest = trialsPerOuterTest
-        self.areNative = areNative
-        self.steric = steric
-        self.isFlexible = isFlexible
+        super().__init__(files, temperature, cutoff, **settings)
         self._done = hydrogensAreAdded, someAreLeftOut, isPrepared
         for file in self.files:
-            if os.path.isfile(file) and not file.lower().endswith(".xml"):
-                raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
+            if os.path.isfile(file):
+                _checkForceField(file)
         try:
             self._forceField = openmm.app.ForceField(*self.files)
         except Exception as error:  # OpenMM passes on any exception of its parsers
             raise InputError(f"--forcefield {' '.join(self.files)}: {firstSentence(error)}") from error
 
     def __str__(self):
-        cutoff = "no cutoff" if self.cutoff is None else f"pairs up to {self.cutoff:g} nm"
-        flexible = ", flexible" if self.isFlexible else ""
-        return f"{', '.join(self.files)} at {self.temperature:g} K, {cutoff}{flexible}"
+        return self.describe(", ".join(self.files))
+
+    def read(self, path, model):
+        """Read a model of a structure file, without water and ions: a Structure."""
+        return readStructure(path, model)
 
     def makeSystem(self, structure):
         """Make the System of a Structure; return it with a list of Note.
@@ -103,10 +85,7 @@ class EnergyModel:
             if the force field does not fit
         """
         system, notes = self._fitSystem(structure, self.cutoff)
-        if any(StericExclusionForce.isinstance(force) for force in system.getForces()):
-            raise InputError(f"--forcefield {' '.join(self.files)}: the command adds its own StericExclusionForce")
-        if not any(map(_isSolvent, system.getForces())):
-            notes.append(Note("the energy is computed in vacuum: water is omitted, and no file adds a solvent"))
+        notes += notesOnForces(system, structure.topology, f"--forcefield {' '.join(self.files)}")
         if any(isinstance(force, openmm.CMAPTorsionForce) for force in system.getForces()):
             mirrored = [residue for residue in structure.topology.residues() if isMirrored(residue.name)]
             kind = "D-amino acids that the force field's maps of φ and ψ (CMAP) take for L-amino acids"
@@ -138,7 +117,7 @@ class EnergyModel:
         """
         system, _ = self._fitSystem(structure, _RELAXING_CUTOFF)
         for index in reversed(range(system.getNumForces())):
-            if _isSolvent(system.getForce(index)):
+            if isSolvent(system.getForce(index)):
                 system.removeForce(index)
         positions = structure.positions
         if shapes:
@@ -167,10 +146,7 @@ class EnergyModel:
             if the force field does not fit, or the energy is not a number
         """
         system, _ = self._fitSystem(structure, self.cutoff)
-        positions, energies = _minimize(system, structure.positions, atoms, _MINIMIZING_ITERATIONS)
-        if not np.isfinite([*energies, *positions.ravel()]).all():
-            raise InputError("--minimize: the energy is not a number; are atoms at one place?")
-        return positions, energies
+        return minimizeSystem(system, structure.positions, atoms)
 
     def _fitSystem(self, structure, cutoff):
         """Make a System, without bonds of metals if necessary; return it with a list of Note."""
@@ -188,17 +164,16 @@ class EnergyModel:
         raise InputError(describeMisfits(self._forceField, self.files, topology, error, *self._done)) from error
 
     def _createSystem(self, topology, cutoff):
-        method = openmm.app.NoCutoff
-        if cutoff is not None:
-            isPeriodic = topology.getPeriodicBoxVectors() is not None
-            method = openmm.app.CutoffPeriodic if isPeriodic else openmm.app.CutoffNonPeriodic
-        return self._forceField.createSystem(
-            nameByTemplates(self._forceField, topology),
-            nonbondedMethod=method,
-            nonbondedCutoff=(1.0 if cutoff is None else cutoff) * unit.nanometer,
-            rigidWater=False,
-            removeCMMotion=False,
-        )
+        named = nameByTemplates(self._forceField, topology)
+        return self._forceField.createSystem(named, **self.argumentsOf(topology, cutoff))
+
+
+def minimizeSystem(system, positions, atoms):
+    """Do the work of EnergyModel.minimize on a System, whose masses change."""
+    positions, energies = _minimize(system, positions, atoms, _MINIMIZING_ITERATIONS)
+    if not np.isfinite([*energies, *positions.ravel()]).all():
+        raise InputError("--minimize: the energy is not a number; are atoms at one place?")
+    return positions, energies
 
 
 def _minimize(system, positions, atoms, iterations):
@@ -229,8 +204,32 @@ def repeatablePlatform():
     return openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"}
 
 
-def _isSolvent(force):
+def _checkForceField(file):
+    """Refuse a file that is none of a ForceField, with what it seems to be."""
+    if rootOfXML(file) == "System":
+        raise InputError(f"--forcefield {file}: is a serialized System, which --system reads")
+    if not file.lower().endswith(".xml"):
+        raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
+
+
+def isSolvent(force):
+    """Whether a Force is an implicit solvent."""
     return any(name in type(force).__name__ for name in _SOLVENTS)
+
+
+def notesOnForces(system, topology, source):
+    """Return a list of Note on the Forces of a System; source names it in messages.
+
+    Raises
+    ------
+    InputError
+        if it has a StericExclusionForce
+    """
+    if any(StericExclusionForce.isinstance(force) for force in system.getForces()):
+        raise InputError(f"{source}: the command adds its own StericExclusionForce")
+    if any(map(isSolvent, system.getForces())) or any(map(isWater, topology.residues())):
+        return []
+    return [Note("the energy is computed in vacuum: there is no water, and no file adds a solvent")]
 
 
 def _withoutMetalBonds(structure):

@@ -15,8 +15,8 @@ from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
 from .arguments import addPeriodic, addStructure, frameCount, listOf, notNegative, numberIn, positive, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
 from .ending import endRun, writeReports
-from .energymodel import EnergyModel
 from .energyoptions import addEnergyOptions, readEnergyOptions
+from .energysettings import EnergySettings
 from .forbidden import measureForbidden
 from .hydrogens import addHydrogens
 from .outputs.output import OutputError
@@ -43,10 +43,10 @@ _NONE = "none"
 _ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
 _DESCRIPTION = """\
-Sample the torsions of proteins and nucleic acids: as hard spheres or, with --forcefield, from the Boltzmann
-distribution exp(-U/kT). Water and ions are omitted; parts without torsions stay in place as obstacles. Reports what
-moves and what does not, writes a trajectory (DCD) that begins with the initial structure, its topology (PDB) and a
-picture, and prints a table."""
+Sample the torsions of proteins and nucleic acids: as hard spheres or, with --forcefield or --system, from the Boltzmann
+distribution exp(-U/kT). Water and ions are omitted, unless a System has them; parts without torsions stay in place as
+obstacles. Reports what moves and what does not, writes a trajectory (DCD) that begins with the initial structure, its
+topology (PDB) and a picture, and prints a table."""
 
 _SELECTIONS = """
 In a force field, with implicit solvent:
@@ -59,6 +59,16 @@ Moves suit folded chains: closed and local moves of backbone windows, which leav
 hardly move it, and side-chain moves, small or between rotamers. With --disordered, they suit disordered and unfolded
 chains. Hard spheres alone are sampled by moves of single torsions. Bond lengths and angles keep their initial values,
 unless --flexible also displaces single atoms, which samples the ensemble of unconstrained dynamics.
+
+Systems of other programs, read by OpenMM:
+
+  openmm-chaintree sample x.inpcrd --system x.prmtop --implicit gbn2
+  openmm-chaintree sample x.gro --system topol.top --include /usr/share/gromacs/top --periodic --nonbonded-cutoff 1
+  openmm-chaintree sample x.crd --system x.psf --parameters top_all36_prot.rtf par_all36m_prot.prm toppar.str
+  openmm-chaintree sample x.pdb --system system.xml
+
+The structure may be any file with the atoms of the System in their order: inpcrd, rst7, crd, gro, PDB or mmCIF.
+Torsions of proteins and ligands turn; water and ions of the System stay in place. Constraints are kept.
 
 A SELECTION is written in MDTraj's language (https://mdtraj.org/latest/atom_selection.html), in quotes:
 
@@ -157,7 +167,7 @@ class Prepared(NamedTuple):
     """A run before its start.
 
     options : argparse.Namespace; settings : dict, for --config; outputs : dict of Output by kind; console : Console;
-    sampling : Sampling; energyModel : EnergyModel or None; seed : int; addedHydrogens : int
+    sampling : Sampling; energyModel : EnergySettings or None; seed : int; addedHydrogens : int
     """
 
     options: argparse.Namespace
@@ -165,7 +175,7 @@ class Prepared(NamedTuple):
     outputs: dict
     console: ReportConsole
     sampling: Sampling
-    energyModel: EnergyModel | None
+    energyModel: EnergySettings | None
     seed: int
     addedHydrogens: int
 
@@ -184,11 +194,12 @@ def _run(options):
     _checkFolder(options)
     for name in () if saved is None else options.pathsOfRun:
         saved.checkPath(name, getattr(options, name))
+    if options.periodic and energyModel is not None:
+        energyModel.checkPeriodic()
     with collectionPaused():
-        structure = readStructure(options.structure, options.model)
+        read = readStructure if energyModel is None else energyModel.read
+        structure = read(options.structure, options.model)
     if options.periodic:
-        if energyModel is not None and energyModel.cutoff is None:
-            raise InputError("--periodic needs --nonbonded-cutoff in a force field")
         structure = structure._replace(box=engineBox(structure.box, options.structure or structure.name))
     outputs = _checkOutputs(options, structure.name, settings, replicas, saved)
     console = ReportConsole(outputs.values())
@@ -280,7 +291,8 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
         del names["trajectory"]
         names = {**replicaNames(prefix, replicas), **names}
     names |= {"json": options.json, "notes": options.notes}
-    inputs = [name for name in (options.structure, options.config) if name is not None]
+    given = [options.system, *(options.parameters or ())]
+    inputs = [name for name in (options.structure, options.config, *given) if name is not None]
     if options.config is not None and os.path.realpath(options.config) == os.path.realpath(names["settings"]):
         if readSettings(options.config) == settings:
             del names["settings"]

@@ -20,6 +20,7 @@ from ..sterics import makeForce
 from . import allpairs
 from .energies import Energies
 from .energymodel import HARD, OFF, repeatablePlatform
+from .fixedparticles import fixParticles
 from .flexible import addAtomMove, findScales
 from .geometry import BondLengths, dihedrals, radiusOfGyration
 from .plan import Choice, Plan
@@ -128,7 +129,8 @@ class Sampling:
             structure.topology.setPeriodicBoxVectors(vectorsOf(box) * unit.nanometer)
         self.fixedAtoms = int(self.plan.fixed.sum())
         elements = [atom.element for atom in structure.topology.atoms()]
-        masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements)}
+        masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements) - {None}}
+        masses[None] = 0.0
         self._masses = np.array([masses[element] for element in elements])
         temperature = 300.0 if energyModel is None else energyModel.temperature
         self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
@@ -187,8 +189,7 @@ class Sampling:
         else:
             system, notes = energyModel.makeSystem(self.structure)
             self.notes += notes
-        for particle in np.flatnonzero(self.plan.fixed).tolist():
-            system.setParticleMass(particle, 0)
+        fixParticles(system, self.plan)
         system.addForce(self.force)
         if box is not None:
             system.setDefaultPeriodicBoxVectors(*vectorsOf(box))
