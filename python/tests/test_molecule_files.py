@@ -19,13 +19,19 @@ def molecule(tmp_path_factory):
     return path, elements, bonds, 10 * structure.positions
 
 
+def orderOf(elements, first, second):
+    """The bonds of carbon and oxygen in the molecule are double."""
+    return 2 if {elements[first], elements[second]} == {"C", "O"} else 1
+
+
 def sdfOf(elements, bonds, *frames):
     text = ""
     for positions in frames:
         text += f"molecule\n  program\n\n{len(elements):3d}{len(bonds):3d}  0  0  0  0  0  0  0  0999 V2000\n"
         for symbol, (x, y, z) in zip(elements, positions.tolist(), strict=True):
             text += f"{x:10.4f}{y:10.4f}{z:10.4f} {symbol:<3} 0  0  0  0  0  0  0  0  0  0  0  0\n"
-        text += "".join(f"{first + 1:3d}{second + 1:3d}  1  0\n" for first, second in bonds)
+        for first, second in bonds:
+            text += f"{first + 1:3d}{second + 1:3d}  {orderOf(elements, first, second)}  0\n"
         text += "M  END\n> <NAME>\nvalue\n\n$$$$\n"
     return text
 
@@ -37,7 +43,8 @@ def mol2Of(elements, bonds, *frames, kinds=str, residue="LIG1"):
         for i, (symbol, (x, y, z)) in enumerate(zip(elements, positions.tolist(), strict=True), 1):
             text += f"{i:6d} {symbol}{i:<6} {x:.4f} {y:.4f} {z:.4f} {kinds(symbol)} 1 {residue} 0.0\n"
         text += "@<TRIPOS>BOND\n"
-        text += "".join(f"{i} {first + 1} {second + 1} 1\n" for i, (first, second) in enumerate(bonds, 1))
+        for i, (first, second) in enumerate(bonds, 1):
+            text += f"{i} {first + 1} {second + 1} {orderOf(elements, first, second)}\n"
     return text
 
 
@@ -94,12 +101,13 @@ def test_metalsAndHalogens(tmp_path):
 
 @pytest.mark.parametrize("suffix", WRITERS)
 def test_sampleHardSpheres(tmp_path, molecule, runCommandHere, suffix):
-    """All bonds outside rings turn with --torsions rotatable."""
+    """By the orders in the file, φ and ψ are rotatable bonds, and amides are not."""
     _, elements, bonds, positions = molecule
     (tmp_path / f"m.{suffix}").write_text(WRITERS[suffix](elements, bonds, positions))
     options = ("--trials", 500, "--frames", 2, "--seed", 1, "--json", "m.json")
     result = runCommandHere("sample", f"m.{suffix}", "--torsions", "rotatable", *options)
     assert result.returncode == 0, result.stderr
+    assert "by 2 torsions (2 other)" in result.stdout
     summary = json.loads((tmp_path / "m.json").read_text())
     assert sum(move["accepted"] for move in summary["moves"]) > 100
     frames = readDCD(tmp_path / "m.dcd")

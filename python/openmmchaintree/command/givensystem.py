@@ -239,6 +239,7 @@ def _withChains(topology, bonds):
         newResidue = copy.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
         copies += [copy.addAtom(atom.name, atom.element, newResidue, atom.id) for atom in residue.atoms()]
         last = residue
+    orders = {frozenset(atom.index for atom in bond[:2]): (bond.type, bond.order) for bond in topology.bonds()}
     for first, second in bonds:
-        copy.addBond(copies[first], copies[second])
+        copy.addBond(copies[first], copies[second], *orders.get(frozenset((first, second)), (None, None)))
     return copy

@@ -11,7 +11,7 @@ def bondsOfFile(structure, made):
     """Return the bonds between atoms of a ModelTopology that a gemmi.Structure lists: a dict of orders by pair.
 
     An order is the number of times that CONECT lists the bond. It is None in residues in which CONECT lists each bond
-    once, as many programs do whatever the order is, and for all other bonds.
+    once, as many programs do whatever the order is, and for all other bonds. Files of molecules have all orders.
 
     Bonds to symmetry mates and hydrogen bonds are left out, and bonds of atoms in other conformers, and of numbers that
     several atoms have.
@@ -33,6 +33,8 @@ def bondsOfFile(structure, made):
             first, second = bySerial.get(serial, ()), bySerial.get(other, ())
             if serial > 0 and other > 0 and len(first) == 1 and len(second) == 1:
                 add(first[0], second[0], count)
+    if structure.input_format == gemmi.CoorFormat.ChemComp:
+        return bonds
     multiple = [pair for pair, order in bonds.items() if order is not None and order > 1]
     withOrders = {atoms[atom].residue for pair in multiple for atom in pair}
     return {pair: order if atoms[pair[0]].residue in withOrders else None for pair, order in bonds.items()}

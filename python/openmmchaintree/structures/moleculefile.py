@@ -17,6 +17,11 @@ _UNKNOWN = "UNL"  # the name of an unknown ligand in the Protein Data Bank
 _END = "M  END"
 _SECTION = "@<TRIPOS>"
 
+# The orders of bonds other than single ones, by the numbers of biotite's BondType and by the words of Mol2. Aromatic
+# bonds outside rings, as of carboxylates, count as double.
+_ORDERS = {2: 2, 3: 3, 5: 2, 6: 2, 7: 3, 9: 2}
+_ORDERS_OF_MOL2 = {"2": 2, "3": 3, "ar": 2}
+
 
 class _Row(NamedTuple):
     """An atom: name, symbol, position in Å, residue's number and name."""
@@ -46,7 +51,7 @@ def readMolecules(path, text, suffix):
     isMol2 = suffix == ".mol2"
     read = _readMol2 if isMol2 else _readSDF
     structure = gemmi.Structure()
-    structure.input_format = gemmi.CoorFormat.Unknown
+    structure.input_format = gemmi.CoorFormat.ChemComp
     for number, record in enumerate(_recordsOf(text, isMol2)):
         try:
             rows, bonds = read(record)
@@ -59,8 +64,8 @@ def readMolecules(path, text, suffix):
                 raise damage from error
             return structure, damage
         structure.add_model(_modelOf(rows, number + 1))
-        for first, second in bonds if number == 0 else ():
-            structure.add_conect(first + 1, second + 1, 1)
+        for first, second, order in bonds if number == 0 else ():
+            structure.add_conect(first + 1, second + 1, order)
     if len(structure) == 0:
         raise InputError(f"{path}: there are no molecules")
     return structure, None
@@ -85,7 +90,7 @@ def _readSDF(record):
     for symbol, position in zip(atoms.element.tolist(), atoms.coord.tolist(), strict=True):
         counts[symbol] += 1
         rows.append(_Row(f"{symbol.upper()}{counts[symbol]}", symbol, tuple(position), 1, _UNKNOWN))
-    return rows, atoms.bonds.as_array()[:, :2].tolist()
+    return rows, [(first, second, _ORDERS.get(kind, 1)) for first, second, kind in atoms.bonds.as_array().tolist()]
 
 
 def _readMol2(record):
@@ -99,7 +104,9 @@ def _readMol2(record):
     if len(atoms) != int(counts[0]) or len(bonds) != (int(counts[1]) if len(counts) > 1 else 0):
         raise ValueError(f"it has {len(atoms)} atoms and {len(bonds)} bonds, but tells of {' and '.join(counts[:2])}")
     places = {words[0]: index for index, words in enumerate(atoms)}
-    return [_rowOf(*words) for words in atoms], [(places[words[1]], places[words[2]]) for words in bonds]
+    return [_rowOf(*words) for words in atoms], [
+        (places[first], places[second], _ORDERS_OF_MOL2.get(kind, 1)) for _, first, second, kind, *_ in bonds
+    ]
 
 
 def _rowOf(identity, name, x, y, z, kind, number="1", residue=_UNKNOWN, *others):
