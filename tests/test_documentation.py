@@ -15,6 +15,7 @@ from urllib.parse import quote, unquote, urlsplit
 
 import openmmchaintree
 import pytest
+from openmmchaintree.command import cli
 
 PROJECT = Path(__file__).parents[1]
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
@@ -128,7 +129,7 @@ def test_everyPublicNameIsThere(site):
     assert not missing
 
 
-@pytest.mark.parametrize("command", ["sample", "clashes"])
+@pytest.mark.parametrize("command", cli._COMMANDS)
 def test_thePageOfTheCommandHasEveryOptionOfItsHelp(site, command):
     call = [sys.executable, "-m", "openmmchaintree", command, "--help"]
     shown = subprocess.run(call, capture_output=True, text=True, check=True).stdout

@@ -33,8 +33,8 @@ def addEnergyOptions(parser):
         "--forcefield",
         nargs="+",
         metavar="XML",
-        help="sample exp(-U/kT) with the energy U of these files of OpenMM's ForceField, given by path or by their "
-        "names in OpenMM, such as amber14-all.xml implicit/gbn2.xml (default: hard spheres alone)",
+        help="sample exp(-U/kT) with the energy U of a force field: files for OpenMM's ForceField, by path or by name "
+        "in OpenMM, such as amber14-all.xml implicit/gbn2.xml (default: hard spheres alone)",
     )
     parser.add_argument(
         "--system",
