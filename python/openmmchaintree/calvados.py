@@ -55,9 +55,9 @@ def createCalvadosSystem(
 ) -> CalvadosSystem:
     """Create the System of proteins in CALVADOS 2 or 3, as the authors of the models build it.
 
-    Energies are those of github.com/KULL-Centre/CALVADOS: harmonic bonds, Ashbaugh-Hatch and screened Coulomb
+    Energies follow github.com/KULL-Centre/CALVADOS: harmonic bonds, Ashbaugh-Hatch and screened Coulomb
     interactions with charged termini, histidine and phosphorylated residues charged by pH, and elastic networks in
-    domains. Trials keep the lengths of bonds that positions have; those of sequences are the mean in dynamics:
+    domains. Trials keep the bond lengths of the positions; a sequence gets the mean lengths of dynamics:
 
         topology, system, positions = createCalvadosSystem("GSYRDFKAWELQ", temperature=298)
         system.addForce(createStericExclusionForce(topology, positions, system=system))

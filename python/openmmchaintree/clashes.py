@@ -81,14 +81,13 @@ def findClashes(
         "all-atom" or "united-atom". Default: "all-atom" for molecules that show their hydrogens, "united-atom" for
         others.
     water, ions : bool
-        include water, and ions that nothing binds
+        include water, and unbound ions
     periodic : bool
         whether atoms count in all images of the periodic box, which each frame or else the structure has
     symmetry : bool
-        whether the copies of a crystal count: those by all operations of the space group of the structure, and by
-        vectors of its cell. Equivalent clashes are listed once, with the operation as `Clash.operator`. An atom on an
-        axis does not clash with itself, and no atoms do whose occupancies are below 1 and add up to at most 1. Bonds
-        with copies are found as others are. Not for trajectories.
+        whether copies in a crystal count, by all operations of its space group and all vectors of its cell. Equivalent clashes are listed once, with the operation as `Clash.operator`. An atom on an
+        axis does not clash with itself. Atoms whose occupancies are below 1 and add up to at most 1 do not clash with
+        each other. Bonds with copies are found like other bonds. Not for trajectories.
 
     Returns
     -------

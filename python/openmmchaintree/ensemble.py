@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class Ensemble(NamedTuple):
-    """Conformers, and what they are on average.
+    """Independent conformers, and averages over the run.
 
     topology : openmm.app.Topology
     positions : (conformers, n, 3) float32 array, nm, centered
@@ -24,7 +24,7 @@ class Ensemble(NamedTuple):
     estimates : dict of Estimate by name, from all frames of the run, not only from these conformers
     effectiveSampleSize : float, the least of radius of gyration and end-to-end distance
     trials : int, of the run
-    isComplete : bool, whether there are as many independent conformers as asked for
+    isComplete : bool, whether the requested number of independent conformers was reached
     """
 
     topology: app.Topology
@@ -49,8 +49,8 @@ def sampleEnsemble(
 ) -> Ensemble:
     """Sample independent conformers of a protein in a model with a bead for each residue.
 
-    The run goes on until the effective sample sizes of the radius of gyration and of the end-to-end distance reach
-    `conformers`. The conformers returned are equally far apart in the equilibrated part of the run. A chain of 100
+    The run ends when the effective sample sizes of the radius of gyration and of the end-to-end distance reach
+    `conformers`. The returned conformers are equally spaced in the equilibrated part of the run. A chain of 100
     residues takes about 3 ms of one core for each.
 
         ensemble = sampleEnsemble("MDVFMKGLSKAKEGVVAAAEKTKQGVAEAAGKTKEGVLYVGSKTKEGVVHG", conformers=100)
@@ -61,11 +61,11 @@ def sampleEnsemble(
     source, temperature, pH, ionicStrength, model, domains
         as for `createCalvadosSystem`; one chain, or the chains of a structure that domains hold together
     conformers : int
-        how many to return
+        the number of conformers to return
     seed : int
-        of random numbers; 0 draws one
+        the random number seed; 0 draws one
     maxTrials : int
-        where the run ends at the latest
+        the largest number of trials
 
     Returns
     -------

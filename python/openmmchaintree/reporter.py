@@ -35,7 +35,7 @@ class ClashReporter:
     """A reporter for `openmm.app.Simulation` that writes how many clashes there are, and the worst, as lines of CSV.
 
     If the System has a StericExclusionForce, it defines what a clash is. Otherwise the reporter makes one by
-    `createStericExclusionForce`, for everything except water and ions that nothing binds, and leaves the System
+    `createStericExclusionForce`, for all atoms except water and unbound ions, and leaves the System
     unchanged; periodic images then count if the System is periodic, in the box of each report.
 
     The columns are step, time_ps, clashes, worst_overlap_nm, atom1, atom2; the last three are empty without a clash.

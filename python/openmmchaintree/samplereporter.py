@@ -17,13 +17,13 @@ from .units import Array, positionsInNm
 class SampleReporter:
     """A reporter for `openmm.app.Simulation` with a TorsionMonteCarloIntegrator, which writes lines of CSV.
 
-    The columns are those of the table of `openmm-chaintree sample`: the number of trials; the potential energy that is
-    sampled, kJ/mol, if there is any; radius of gyration, end-to-end distance and RMSD to the start, nm; accepted trials
+    The columns are the same as in the table of `openmm-chaintree sample`: the number of trials; the sampled potential
+    energy, kJ/mol, if there is any; radius of gyration, end-to-end distance and RMSD to the start, nm; accepted trials
     so far, %.
 
-    Shapes are those of molecules with torsions or ball joints. The radius of gyration is weighted by mass. The other
+    Shapes are computed of molecules with torsions or ball joints. The radius of gyration is weighted by mass. The other
     two columns are about Cα atoms, C4′ atoms or beads: the ends of the longest chain, and the RMSD of all chains after
-    superposition. Without three such atoms, the RMSD is that of all heavy atoms. A line takes 0.6 ms with 600 atoms.
+    superposition. Without three such atoms, the RMSD is over all heavy atoms. A line takes 0.6 ms with 600 atoms.
     """
 
     def __init__(

@@ -126,13 +126,13 @@ def findTorsions(
         delta, epsilon, zeta of nucleic acids; rotor (methyl, hydroxyl, thiol and amine groups, turned by a hydrogen);
         planar (other bonds between a trigonal carbon and a nitrogen, as of amides at the end of side chains, of
         guanidinium, and of amino groups of bases); other (all other bonds outside rings that have atoms beyond both
-        ends, including those of ligands); all for all of these, which are all bonds outside rings; or rotatable for
-        those of them that chemists call rotatable: single bonds that are neither terminal (one end binds no other
+        ends, also in ligands); all for all of these, which are all bonds outside rings; or rotatable for
+        rotatable bonds as in chemistry: single bonds that are neither terminal (one end binds no other
         heavy atom, as of methyl and hydroxyl groups) nor conjugated as in amides (between a carbon with a double bond
-        to N, O or S and another N, O or S: amides with ω, esters, guanidinium). Bond orders are the Topology's, else
-        those of the chemical component dictionary (of biotite); bonds of unknown order are left out.
+        to N, O or S and another N, O or S: amides with ω, esters, guanidinium). Bond orders come from the
+        Topology, else from the chemical component dictionary (of biotite); bonds of unknown order are left out.
     cutDisulfides, cutMetals : bool
-        treat disulfides, or the bonds between metals and other residues, as if they were no bonds
+        treat disulfides, or the bonds between metals and other residues, as if they were not bonds
     selection : str, array of int or bool, or callable, optional
         the atoms whose torsions are wanted, as in `selectAtoms`. A torsion belongs to its third particle: φ to CA, ψ to
         C, ω to the next N, χ1 to CB, χ2 to the atom after it, and so on; α to O5', β to C5', γ to C4', δ to C3', ε to

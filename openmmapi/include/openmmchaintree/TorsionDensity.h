@@ -16,9 +16,9 @@ namespace ChainTreePlugin {
  * fromRotamers(); it cannot be changed. Copies share their numbers.
  *
  * A density has to be above 0 everywhere, since a move that is accepted by the ratio of two densities could never leave
- * a state where it is 0. A floor sees to that: a share of the draws that is uniform. It costs that share of the draws,
- * and decides how soon a torsion leaves a place where the density is low. What is sampled does not depend on the
- * density, only how many trials are accepted.
+ * a state where it is 0. Therefore a share of the draws, the floor, is uniform. A larger floor wastes more draws, but a
+ * torsion leaves a place of low density sooner. The density affects how many trials are accepted, not the sampled
+ * distribution.
  */
 class OPENMM_EXPORT_CHAINTREE TorsionDensity {
 public:
