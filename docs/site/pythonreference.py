@@ -119,7 +119,7 @@ def _reference(environment, target, literal):
 
 def _linkNames(app, doctree):
     """Link code in the text of Markdown pages: a name, or a call with arguments."""
-    if app.env.docname in ("c", "cpp", "architecture"):  # these mean C++ classes
+    if app.env.docname in ("c", "cpp", "architecture", "engine"):  # these mean C++ classes
         return
     for literal in list(doctree.findall(nodes.literal)):
         name = re.fullmatch(r"(?:\w+\.)?(\w+)(?:\(.*\))?", literal.astext())

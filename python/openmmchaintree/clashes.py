@@ -85,9 +85,10 @@ def findClashes(
     periodic : bool
         whether atoms count in all images of the periodic box, which each frame or else the structure has
     symmetry : bool
-        whether copies in a crystal count, by all operations of its space group and all vectors of its cell. Equivalent clashes are listed once, with the operation as `Clash.operator`. An atom on an
-        axis does not clash with itself. Atoms whose occupancies are below 1 and add up to at most 1 do not clash with
-        each other. Bonds with copies are found like other bonds. Not for trajectories.
+        whether copies in a crystal count, by all operations of its space group and vectors of its cell. Equivalent
+        clashes are listed once, with the operation as `Clash.operator`. An atom on an axis does not clash with itself.
+        Atoms whose occupancies are below 1 and add up to at most 1 do not clash with each other. Bonds with copies are
+        found like other bonds. Not for trajectories.
 
     Returns
     -------
