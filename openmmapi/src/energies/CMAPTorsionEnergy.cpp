@@ -30,4 +30,4 @@ static string translateCMAPTorsions(const CMAPTorsionForce& force, const NativeF
     return "";
 }
 
-static const NativeForceKind KIND(translateCMAPTorsions);
+static const NativeForceKind CMAP_TORSIONS(translateCMAPTorsions);

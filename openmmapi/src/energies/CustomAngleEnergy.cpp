@@ -26,4 +26,4 @@ static string translateCustomAngles(const CustomAngleForce& force, const NativeF
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomAngles);
+static const NativeForceKind CUSTOM_ANGLES(translateCustomAngles);

@@ -26,4 +26,4 @@ static string translateCustomBonds(const CustomBondForce& force, const NativeFor
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomBonds);
+static const NativeForceKind CUSTOM_BONDS(translateCustomBonds);

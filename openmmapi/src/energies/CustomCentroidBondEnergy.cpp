@@ -68,4 +68,4 @@ static string translateCustomCentroidBonds(const CustomCentroidBondForce& force,
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomCentroidBonds, copyCustomCentroidBonds);
+static const NativeForceKind CUSTOM_CENTROID_BONDS(translateCustomCentroidBonds, copyCustomCentroidBonds);

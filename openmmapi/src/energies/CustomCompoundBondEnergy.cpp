@@ -33,4 +33,4 @@ static string translateCustomCompoundBonds(const CustomCompoundBondForce& force,
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomCompoundBonds, copyCustomCompoundBonds);
+static const NativeForceKind CUSTOM_COMPOUND_BONDS(translateCustomCompoundBonds, copyCustomCompoundBonds);

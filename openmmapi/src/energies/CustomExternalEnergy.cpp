@@ -29,4 +29,4 @@ static string translateCustomExternalTerms(const CustomExternalForce& force, con
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomExternalTerms);
+static const NativeForceKind CUSTOM_EXTERNAL_TERMS(translateCustomExternalTerms);

@@ -68,4 +68,4 @@ static string translateCustomGB(const CustomGBForce& force, const NativeForceKin
     return reason;
 }
 
-static const NativeForceKind KIND(translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);
+static const NativeForceKind CUSTOM_GB(translateCustomGB, copyCustomGB, NativeForceKind::NeedsPairs);

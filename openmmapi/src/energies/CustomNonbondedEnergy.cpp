@@ -226,4 +226,4 @@ static string translateCustomNonbonded(const CustomNonbondedForce& force, const 
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomNonbonded, copyCustomNonbonded);
+static const NativeForceKind CUSTOM_NONBONDED(translateCustomNonbonded, copyCustomNonbonded);

@@ -26,4 +26,4 @@ static string translateCustomTorsions(const CustomTorsionForce& force, const Nat
     return "";
 }
 
-static const NativeForceKind KIND(translateCustomTorsions);
+static const NativeForceKind CUSTOM_TORSIONS(translateCustomTorsions);

@@ -48,4 +48,4 @@ static string translateGBSAOBC(const GBSAOBCForce& force, const NativeForceKind:
     return "";
 }
 
-static const NativeForceKind KIND(translateGBSAOBC, copyForce, NativeForceKind::NeedsPairs);
+static const NativeForceKind GBSA_OBC(translateGBSAOBC, copyForce, NativeForceKind::NeedsPairs);

@@ -19,4 +19,4 @@ static string translateHarmonicAngles(const HarmonicAngleForce& force, const Nat
     return "";
 }
 
-static const NativeForceKind KIND(translateHarmonicAngles);
+static const NativeForceKind HARMONIC_ANGLES(translateHarmonicAngles);

@@ -19,4 +19,4 @@ static string translateHarmonicBonds(const HarmonicBondForce& force, const Nativ
     return "";
 }
 
-static const NativeForceKind KIND(translateHarmonicBonds);
+static const NativeForceKind HARMONIC_BONDS(translateHarmonicBonds);

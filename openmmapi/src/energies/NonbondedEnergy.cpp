@@ -190,4 +190,4 @@ static string translateNonbonded(const NonbondedForce& force, const NativeForceK
     return reason;
 }
 
-static const NativeForceKind KIND(translateNonbonded);
+static const NativeForceKind NONBONDED(translateNonbonded);

@@ -21,4 +21,4 @@ static string translatePeriodicTorsions(const PeriodicTorsionForce& force, const
     return "";
 }
 
-static const NativeForceKind KIND(translatePeriodicTorsions);
+static const NativeForceKind PERIODIC_TORSIONS(translatePeriodicTorsions);

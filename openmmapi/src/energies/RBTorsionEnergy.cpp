@@ -19,4 +19,4 @@ static string translateRBTorsions(const RBTorsionForce& force, const NativeForce
     return "";
 }
 
-static const NativeForceKind KIND(translateRBTorsions);
+static const NativeForceKind RB_TORSIONS(translateRBTorsions);
