@@ -9,6 +9,7 @@ import numpy.typing as npt
 from openmm import app
 
 from .extras import importExtra
+from .selectionadvice import adviseOnValues, adviseOnWords
 
 AtomSelection: TypeAlias = str | npt.ArrayLike | Callable[[app.Atom], bool]
 
@@ -40,14 +41,15 @@ def selectAtoms(topology: app.Topology, selection: AtomSelection) -> npt.NDArray
     >>> selectAtoms(topology, "segname A and resSeq 10 to 20 and sidechain")
     >>> selectAtoms(topology, lambda atom: atom.residue.id == "52" and atom.residue.insertionCode == "A")
     """
+    advice = ""
     if isinstance(selection, str):
-        atoms = _selectByText(topology, selection)
+        atoms, advice = _selectByText(topology, selection)
     elif callable(selection):
         atoms = np.array([atom.index for atom in topology.atoms() if selection(atom)], dtype=np.int64)
     else:
         atoms = _selectByIndex(topology.getNumAtoms(), selection)
     if len(atoms) == 0:
-        raise ValueError(f"{_name(selection)} no atom")
+        raise ValueError(f"{_name(selection)} no atom{advice}")
     return atoms
 
 
@@ -73,6 +75,7 @@ def _selectByIndex(count, selection):
 
 
 def _selectByText(topology, text):
+    """Return the indices of atoms; and, if there are none, advice to add to an error."""
     # MDTraj takes longer to import than a small structure to read.
     mdtraj = importExtra("mdtraj", "a selection by text")
     converted = mdtraj.Topology.from_openmm(topology)
@@ -80,10 +83,13 @@ def _selectByText(topology, text):
         for residue in chain.residues:
             residue.segment_id = original.id.strip()
     try:
-        _refuseMisreadings(converted.select_expression(text))
-        return np.array(converted.select(text), dtype=np.int64)
+        expression = converted.select_expression(text)
+        _refuseMisreadings(expression)
+        atoms = np.array(converted.select(text), dtype=np.int64)
     except Exception as error:  # MDTraj reports by whatever exception comes up, on several lines
-        raise ValueError(f"{text!r} is not in MDTraj's selection language ({_reason(text, error)})") from error
+        reason = f"({_reason(text, error)}){adviseOnWords(text)}"
+        raise ValueError(f"{text!r} is not in MDTraj's selection language {reason}") from error
+    return atoms, "" if len(atoms) > 0 else adviseOnValues(converted, expression)
 
 
 def _reason(text, error):

@@ -12,6 +12,7 @@ from .bonds import BondGraph, Closures, polymerLinks
 from .graphs import neighborLists, ringBonds
 from .links import Links
 from .naming import describeResidue
+from .nearnames import didYouMean
 from .residues import (
     CAPS,
     NUCLEOTIDE_BACKBONE,
@@ -230,7 +231,8 @@ def _expandKinds(kinds):
     words = (kinds,) if isinstance(kinds, str) else tuple(kinds)
     for word in words:
         if word not in KIND_WORDS:
-            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(KIND_WORDS)}")
+            near = didYouMean(word, KIND_WORDS)
+            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(KIND_WORDS)}{near}")
     return {kind for word in words for kind in _KINDS.get(word, ())}, ROTATABLE in words
 
 

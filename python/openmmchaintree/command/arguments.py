@@ -5,6 +5,7 @@ import os
 import sys
 
 from ..errors import InputError
+from ..nearnames import didYouMean, nearestName
 from ..notes import listFirst
 from .terminal import BAD_INPUT, printError
 
@@ -14,9 +15,26 @@ class Parser(argparse.ArgumentParser):
 
     def parse_args(self, args=None, namespace=None):
         options, others = self.parse_known_args(args, namespace)
-        if others:
-            self.error(f"unrecognized arguments: {listFirst(others)}")
+        self.refuseUnknown(others)
         return options
+
+    def refuseUnknown(self, arguments):
+        """Refuse arguments that are not recognized, and suggest the option that the first one is like."""
+        if not arguments:
+            return
+        known = [name[2:] for action in self._actions for name in action.option_strings if name.startswith("--")]
+        wrong = next((name[2:].split("=")[0] for name in arguments if name.startswith("--")), "")
+        near = nearestName(wrong, known)
+        advice = "" if near is None else f"; did you mean --{near}?"
+        self.error(f"unrecognized arguments: {listFirst(arguments)}{advice}")
+
+    def _check_value(self, action, value):
+        """Add the nearest choice to the error of a wrong one."""
+        try:
+            super()._check_value(action, value)
+        except argparse.ArgumentError as error:
+            error.message += didYouMean(str(value), map(str, action.choices))
+            raise
 
     def error(self, message):
         printError(message, self.prog)
@@ -72,7 +90,7 @@ def listOf(names):
         chosen = text.split(",")
         for name in chosen:
             if name not in names:
-                raise argparse.ArgumentTypeError(f"{name!r} is none of {', '.join(names)}")
+                raise argparse.ArgumentTypeError(f"{name!r} is none of {', '.join(names)}{didYouMean(name, names)}")
         return chosen
 
     return read

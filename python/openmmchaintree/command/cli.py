@@ -107,4 +107,6 @@ class _CommandParser(Parser):
                 command.applySettings(self, args)
             except InputError as error:
                 self.error(str(error))
-        return super().parse_known_args(args, namespace)
+        options, others = super().parse_known_args(args, namespace)
+        self.refuseUnknown(others)
+        return options, others

@@ -5,6 +5,7 @@ import re
 import sys
 
 from ..errors import InputError
+from ..nearnames import didYouMean
 from .savedrun import SavedRun
 
 if sys.version_info >= (3, 11):
@@ -58,7 +59,7 @@ def applySettings(parser, arguments):
     actions = _settingsOf(parser)
     for name, value in settings.items():
         if name not in actions:
-            raise InputError(f"{source}: {name} is no setting of this command")
+            raise InputError(f"{source}: {name} is no setting of this command{didYouMean(name, actions)}")
         action = actions[name]
         parser.set_defaults(**{action.dest: _read(parser, action, value, f"{source}: {name}")})
 

@@ -1,6 +1,7 @@
 """The energy that a run samples with: files of OpenMM's ForceField, a temperature, a cutoff."""
 
 import os
+from pathlib import Path
 
 import numpy as np
 import openmm
@@ -10,6 +11,7 @@ from openmm import unit
 from ..bonds import BondGraph
 from ..errors import InputError
 from ..naming import describeResidue, nameAtom
+from ..nearnames import didYouMean
 from ..notes import Note, found
 from ..openmmchaintree import StericExclusionForce
 from ..residues import isMirrored, isWater
@@ -67,7 +69,8 @@ class EnergyModel(EnergySettings):
         try:
             self._forceField = openmm.app.ForceField(*self.files)
         except Exception as error:  # OpenMM passes on any exception of its parsers
-            raise InputError(f"--forcefield {' '.join(self.files)}: {firstSentence(error)}") from error
+            near = next(filter(None, map(_nearFile, self.files)), "")
+            raise InputError(f"--forcefield {' '.join(self.files)}: {firstSentence(error)}{near}") from error
 
     def __str__(self):
         return self.describe(", ".join(self.files))
@@ -194,6 +197,18 @@ def _minimize(system, positions, atoms, iterations):
     found[atoms] = state.getPositions(asNumpy=True).value_in_unit(unit.nanometer)[atoms]
     energies = before, state.getPotentialEnergy()
     return found, tuple(energy.value_in_unit(unit.kilojoule_per_mole) for energy in energies)
+
+
+def _nearFile(name):
+    """Return the end of an error on a file of a force field: a name that was probably meant, if there is none."""
+    folders = openmm.app.forcefield._getDataDirectories()
+    if any(os.path.isfile(os.path.join(folder, name)) for folder in ("", *folders)):
+        return ""
+    known = {str(path.relative_to(folder)) for folder in folders for path in Path(folder).rglob("*.xml")}
+    known |= {str(path) for path in Path(os.path.dirname(name)).glob("*.xml")}
+    # A name without its folder, or without its ending.
+    alone = [each for each in sorted(known) if os.path.basename(each).removesuffix(".xml") == name.removesuffix(".xml")]
+    return f"; did you mean {alone[0]}?" if alone else didYouMean(name, known)
 
 
 def repeatablePlatform():
