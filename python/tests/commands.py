@@ -11,7 +11,7 @@ import tempfile
 COMMAND = [sys.executable, "-m", "openmmchaintree"]
 
 # Output files of the command for the villin headpiece.
-VILLIN_FILES = ["villin-settings.toml", "villin-topology.pdb", "villin.dcd", "villin.png"]
+VILLIN_FILES = [f"villin{end}" for end in ("-settings.toml", "-topology.pdb", ".checkpoint", ".csv", ".dcd", ".png")]
 
 
 def run(*arguments, folder, command=COMMAND):

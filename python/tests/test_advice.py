@@ -10,7 +10,7 @@ import openmm
 import openmmchaintree
 import pytest
 from commands import assertRefused
-from openmmchaintree.command import clashes, sample
+from openmmchaintree.command import clashes, runkinds, sample
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from openmmchaintree.notes import listFirst
@@ -52,7 +52,7 @@ def test_namedOptionsExist():
 @pytest.fixture
 def runHere(runCommandHere, monkeypatch):
     """A function that samples without drawing pictures, which takes longer."""
-    monkeypatch.setattr(sample, "savePicture", lambda *arguments: None)
+    monkeypatch.setattr(runkinds, "savePicture", lambda *arguments: None)
     return lambda *arguments: runCommandHere("sample", *arguments)
 
 

@@ -15,11 +15,12 @@ import numpy as np
 import pytest
 from commands import assertRefused, filesIn
 from openmm import app
-from openmmchaintree.command import sample
+from openmmchaintree.command import replicasample
 from openmmchaintree.command.outputs import output, outputfiles
 from openmmchaintree.command.outputs.output import Output, OutputError
 from openmmchaintree.command.outputs.outputfiles import Writing
 from openmmchaintree.command.outputs.trajectoryfile import TrajectoryFile
+from openmmchaintree.command.replicarun import ReplicaRun
 from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
 
@@ -27,6 +28,7 @@ FULL = "/dev/full"  # a disk that is full, to every write
 NO_SPACE = "No space left on device"
 
 STRUCTURE = "run.pdb"
+FILES_OF_A_RUN = [f"run{end}" for end in ("-settings.toml", "-topology.pdb", ".checkpoint", ".csv", ".dcd", ".png")]
 
 needsFullDevice = pytest.mark.skipif(not os.path.exists(FULL), reason=f"there is no {FULL}")
 
@@ -70,7 +72,7 @@ def oneLine(text):
 
 def test_sampleOverwritesNothing(runHere, tmp_path):
     arguments = ["sample", "--trials", 10, "--frames", 2, "--json", "a.json"]
-    files = ["a.json", "run-settings.toml", "run-topology.pdb", "run.dcd", "run.png"]
+    files = ["a.json", *FILES_OF_A_RUN]
     for name in files:
         (tmp_path / name).write_text("mine")
         result = runHere(*arguments)
@@ -81,7 +83,7 @@ def test_sampleOverwritesNothing(runHere, tmp_path):
         (tmp_path / name).write_text("mine")
     result = runHere(*arguments)
     assert result.returncode == 2
-    assert "run.dcd, run-topology.pdb, run.png, and 2 more: exist; --overwrite replaces them" in oneLine(result.stderr)
+    assert "run.dcd, run.csv, run.checkpoint, and 4 more: exist; --overwrite replaces them" in oneLine(result.stderr)
     result = runHere(*arguments, "--overwrite")
     assert result.returncode == 0 and result.stderr == ""
     assert filesIn(tmp_path) == sorted([*files, STRUCTURE])
@@ -179,9 +181,9 @@ def test_aRunOnTheSameFiles(runHere, tmp_path, monkeypatch, moment, options):
             refusals[0] = commands.run(arguments[0], STRUCTURE, *arguments[1:], *options, "--seed", 2, folder=tmp_path)
         return honest(*given, **named)
 
-    name = {"run": "_sample", "report": "writeReports"}[moment]
-    honest = getattr(sample, name)
-    monkeypatch.setattr(sample, name, tryAnother)
+    owner, name = {"run": (ReplicaRun, "run"), "report": (replicasample, "writeReports")}[moment]
+    honest = getattr(owner, name)
+    monkeypatch.setattr(owner, name, tryAnother)
     assert runHere(*arguments, "--seed", 1).returncode == 0
     assert refusals[0].returncode == 2 and "another run is writing it" in oneLine(refusals[0].stderr)
     assert not any("replica" in name for name in filesIn(tmp_path))
@@ -244,8 +246,9 @@ def test_jsonOnStandardOutput(runHere, tmp_path):
     result = runHere("sample", "--trials", 10, "--json", "-")
     assert result.returncode == 0
     assert json.loads(result.stdout)["atoms"] == 8
-    assert "wrote run-topology.pdb, run.dcd, run-settings.toml, run.png; 11 frames" in result.stderr
-    assert filesIn(tmp_path) == ["run-settings.toml", "run-topology.pdb", "run.dcd", STRUCTURE, "run.png"]
+    names = "run-topology.pdb, run-settings.toml, run.csv, run.checkpoint, run.dcd, run.png"
+    assert f"wrote {names}; 11 frames" in result.stderr
+    assert filesIn(tmp_path) == sorted([*FILES_OF_A_RUN, STRUCTURE])
     result = runHere("clashes", "--json", "-")
     assert result.returncode == 0
     assert json.loads(result.stdout)["atoms"] == 8
@@ -303,7 +306,7 @@ def test_noRoomForOneFileOfARun(runHere, tmp_path, name):
     result = runHere("sample", "--trials", 100, "--frames", 3, "--json", "a.json")
     assert result.returncode == 2
     assert oneLine(result.stderr) == f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})"
-    others = {"run-settings.toml", "run-topology.pdb", "run.dcd", "run.png", "a.json"} - {name}
+    others = {*FILES_OF_A_RUN, "a.json"} - {name}
     wrote = result.stdout.splitlines()[-1]
     assert "attempted" in result.stdout and name not in wrote and all(other in wrote for other in others)
     assert filesIn(tmp_path) == sorted([*others, name, STRUCTURE])
@@ -322,18 +325,20 @@ def test_noRoomForOneFileOfASearch(runHere, tmp_path, name):
     assert all((tmp_path / other).stat().st_size > 0 for other in others)
 
 
-def test_theDiskFillsWhileSampling(tmp_path):
-    """The trajectory keeps the frames before the interrupt, and is reported as partial."""
+def test_theDiskFillsWhileSampling(runHere, tmp_path):
+    """The trajectory is partial and has whole frames; with free space, the run can be resumed."""
     writePDB(tmp_path / STRUCTURE, GLYCINES)
-    result = runWithLargestFile(10000, "sample", STRUCTURE, "--trials", 2000, "--json", "a.json", folder=tmp_path)
+    options = ("--trials", 2000, "--json", "a.json", "--seed", 1)
+    result = runWithLargestFile(10000, "sample", STRUCTURE, *options, folder=tmp_path)
     assert result.returncode == 2
     partial = "run.dcd: cannot be written (File too large); run.dcd is partial: it holds the first 81 of 201 frames"
-    assert oneLine(result.stderr) == f"openmm-chaintree: {partial}; run.png: cannot be written (File too large)"
-    assert filesIn(tmp_path) == ["a.json", "run-settings.toml", "run-topology.pdb", "run.dcd", STRUCTURE]
-    assert "none beyond its limit" in result.stdout
-    frames = readDCD(tmp_path / "run.dcd")
-    summary = json.loads((tmp_path / "a.json").read_text())
-    assert len(frames) == 81 == summary["frames"] == len(summary["radiusOfGyration"])
+    continues = "--resume run.checkpoint continues the run from its last checkpoint"
+    assert oneLine(result.stderr) == f"openmm-chaintree: {partial}; {continues}"
+    names = ["run-settings.toml", "run-topology.pdb", "run.checkpoint", "run.csv", "run.dcd", STRUCTURE]
+    assert filesIn(tmp_path) == sorted(names) and len(readDCD(tmp_path / "run.dcd")) == 81
+    assert runHere("sample", "--resume", "run.checkpoint").returncode == 0
+    assert runHere("sample", *options[:3], "b.json", "--seed", 1, "-o", "whole").returncode == 0
+    assert np.array_equal(readDCD(tmp_path / "run.dcd"), readDCD(tmp_path / "whole.dcd"))
 
 
 def test_noRoomForAnything(tmp_path):

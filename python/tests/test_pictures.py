@@ -5,7 +5,7 @@ import pytest
 from openmm import app, unit
 from openmmchaintree.command.outputs.output import Output
 from openmmchaintree.command.pictures import clashpicture, samplepicture
-from openmmchaintree.command.sampling import Frame
+from openmmchaintree.command.sampling import ShownAngles
 from openmmchaintree.structures.clashsearch import ClashSearch
 from scenes import writeDCD
 
@@ -42,18 +42,26 @@ def assertSound(figure):
                 assert ticks and all(tick == round(tick) for tick in ticks), (label, ticks)
 
 
-def makeFrames(count, residues, torsions):
+def drawRun(draw, name, count, residues, torsionKinds, moves=MOVES, energies=None):
+    """Return the Figure of a run with a number of frames."""
     random = np.random.default_rng(1)
 
     def angles(*shape):
         return random.uniform(-np.pi, np.pi, shape)
 
-    return [
-        Frame(
-            100 * number, angles(residues, 2), angles(torsions), random.random(), number * np.full((len(MOVES), 4), 9)
-        )
-        for number in range(count)
-    ]
+    frames = np.arange(count)
+    table = {"frame": frames, "trials": 100 * frames, "radiusOfGyration": random.random(count)}
+    table["potentialEnergy"] = np.full(count, np.nan) if energies is None else energies
+    summary = {
+        "structure": name,
+        "trials": 100 * (count - 1),
+        "energy": energies,
+        "moves": [{"name": move, "attempted": 9 * (count - 1), "accepted": 9 * (count - 1)} for move in moves],
+    }
+    torsions = 0 if residues else len(torsionKinds)
+    shown = [ShownAngles(angles(residues, 2), angles(torsions)) for _ in frames]
+    history = [[int(frame), [[9 * int(frame)] * 2] * len(moves)] for frame in frames[1:]]
+    return draw(samplepicture, summary, table, shown, torsionKinds, history)
 
 
 # ---- Sampling ----
@@ -61,7 +69,7 @@ def makeFrames(count, residues, torsions):
 
 @pytest.mark.parametrize(("count", "residues"), [(2, 1), (30, 500)])
 def test_ramachandran(draw, count, residues):
-    figure = draw(samplepicture, "villin", makeFrames(count, residues, 0), ["phi", "psi"], MOVES)
+    figure = drawRun(draw, "villin", count, residues, ["phi", "psi"])
     assertSound(figure)
     start, sampled = figure.axes[:2]
     assert start.get_title() == f"Start: {residues} residue{'s' if residues > 1 else ''}"
@@ -73,15 +81,12 @@ def test_ramachandran(draw, count, residues):
 @pytest.mark.parametrize("count", [2, 30])
 def test_energy(draw, start, count):
     """A start with clashes does not dwarf the rest, and is told."""
-    frames = [
-        frame._replace(energy=start if number == 0 else -100.0 - number)
-        for number, frame in enumerate(makeFrames(count, 5, 0))
-    ]
-    figure = draw(samplepicture, "villin", frames, ["phi", "psi"], MOVES)
+    energies = np.array([start, *(-100.0 - np.arange(1, count))])
+    figure = drawRun(draw, "villin", count, 5, ["phi", "psi"], energies=energies)
     assertSound(figure)
     (axis,) = [axis for axis in figure.axes if axis.get_ylabel() == "kJ/mol"]
     low, high = axis.get_ylim()
-    assert low < min(frame.energy for frame in frames) and max(frame.energy for frame in frames[1:]) < high
+    assert low < energies.min() and energies[1:].max() < high
     if start < 0 or count == 2:  # of two frames one is the start
         assert axis.get_title() == "Potential energy" and start < high
     else:
@@ -90,7 +95,7 @@ def test_energy(draw, start, count):
 
 @pytest.mark.parametrize(("kinds", "letters"), [(["psi", "phi"], "φψ"), (3 * NUCLEIC, "αβγεζχ"), (["chi1"], ["χ1"])])
 def test_torsionsByKindWhereNoResidueHasBoth(draw, kinds, letters):
-    figure = draw(samplepicture, "1bna", makeFrames(5, 0, len(kinds)), kinds, MOVES)
+    figure = drawRun(draw, "1bna", 5, 0, kinds)
     assertSound(figure)
     start, sampled = figure.axes[:2]
     for axis in (start, sampled):
@@ -101,15 +106,13 @@ def test_torsionsByKindWhereNoResidueHasBoth(draw, kinds, letters):
 
 def test_noTorsions(draw):
     """As where molecules move only as a whole."""
-    figure = draw(samplepicture, "ligand", makeFrames(5, 0, 0), [], MOVES[:1])
+    figure = drawRun(draw, "ligand", 5, 0, [], MOVES[:1])
     assertSound(figure)
     assert [axis.get_title() for axis in figure.axes] == ["Radius of gyration", "Acceptance"]
 
 
 def test_longNames(draw):
-    figure = draw(
-        samplepicture, LONG_NAME, makeFrames(3, 5, 0), ["phi", "psi"], [f"{move} {'long' * 5}" for move in MOVES]
-    )
+    figure = drawRun(draw, LONG_NAME, 3, 5, ["phi", "psi"], [f"{move} {'long' * 5}" for move in MOVES])
     assertSound(figure)
     title = figure.get_suptitle()
     assert title.startswith("W$_") and "…" in title and title.endswith(", 200 trials")

@@ -93,6 +93,7 @@ DIMENSIONS = 30  # of harmonic oscillators: U/kT has a gamma distribution
 KEPT = 0.95  # the probability that a replica stays where it is in a round, so that exchanges matter
 GAS_CONSTANT = 8.31446261815324e-3
 TEMPERATURES = readLadder("300:450:5")
+NONE, ONE_STAGE = np.zeros(3, dtype=int), np.array([[2, 1]])
 
 
 def runOscillators(segment):
@@ -101,9 +102,10 @@ def runOscillators(segment):
     energy = segment.checkpoint
     if energy is None or random.random() > KEPT:
         energy = random.gammavariate(DIMENSIONS / 2, GAS_CONSTANT * segment.temperature)
-    frames = [KeptFrame(np.array([energy]), energy) for stop in segment.stops if stop.keepsFrame]
     counts = np.array([[sum(stop.trials for stop in segment.stops), 0, 0, 0]])
-    return SegmentResult(segment.replica, segment.round, energy, energy, frames, counts, np.zeros(3, dtype=int), 1, 1)
+    before = np.array([[10 * segment.round, 0, 0, 0]])
+    frames = [KeptFrame(np.array([energy]), energy, before + counts) for stop in segment.stops if stop.keepsFrame]
+    return SegmentResult(segment.replica, segment.round, energy, energy, frames, counts, NONE, ONE_STAGE, 1, 1)
 
 
 def submitHere(segment):

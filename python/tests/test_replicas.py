@@ -193,11 +193,9 @@ def test_namesOfTemperatures():
     ("arguments", "words"),
     [
         (["--replicas", 0], "--replicas"),
-        (["--workers", 2], "--workers needs --replicas or --temperatures; --replicas 1 is a run of one"),
-        (["--checkpoint-interval", 2], "--checkpoint-interval needs --replicas or --temperatures"),
+        (["--workers", 2], "--workers needs --replicas or --temperatures"),
         (["--trajectories", "replica"], "--trajectories needs --replicas or --temperatures"),
         (["--trials-per-exchange", 2], "--trials-per-exchange needs --temperatures"),
-        (["--trials-per-round", 2], "--trials-per-round needs --replicas or --temperatures"),
         (
             ["--temperatures", "300:450:4", "--forcefield", PROTEIN, "--trials-per-round", 2],
             "--trials-per-round and --temperatures cannot be used together",

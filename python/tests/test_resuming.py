@@ -88,6 +88,30 @@ def test_killedAtRandomTimes(runHere, tmp_path, kills=2, seed=1):
     assert not list(tmp_path.glob("*.part"))
 
 
+@pytest.mark.parametrize(
+    "options",
+    [
+        ("--frames", 300, "--trials", 300000),
+        ("--forcefield", PROTEIN, "--trials", 16000, "--frames", 16, "--steric", "hard"),
+    ],
+)
+def test_aSingleRunKilledAtRandomTimes(runHere, tmp_path, options, kills=1, seed=2):
+    options = ("dipeptide.pdb", *options, "--seed", 3, "--checkpoint-interval", 0)
+    assert runHere(*options, "-o", "whole", "--json", "whole.json").returncode == 0
+    assert killAndResume(tmp_path, options, kills, seed) > kills / 2
+    assertSameRun(tmp_path)
+    assert not list(tmp_path.glob("*.part"))
+
+
+def assertSameRun(folder):
+    """Whether all results of the single runs "cut" and "whole" have the same bits."""
+    cut, whole = ((folder / f"{name}.dcd").read_bytes()[276:] for name in ("cut", "whole"))
+    assert cut == whole
+    for ending in (".csv", "-topology.pdb", ".png"):
+        assert (folder / f"cut{ending}").read_bytes() == (folder / f"whole{ending}").read_bytes(), ending
+    assert counted(folder, "cut.json") == counted(folder, "whole.json")
+
+
 class Killed(BaseException):
     """What nobody handles."""
 
@@ -138,6 +162,36 @@ def test_killedAtEachMoment(runHere, tmp_path, monkeypatch, owner, name, calls, 
 
 
 WHOLE = {}
+
+
+IN_SOLVENT = ("--forcefield", "amber14-all.xml", "implicit/gbn2.xml")
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        IN_SOLVENT,
+        (*IN_SOLVENT, "--flexible"),
+        (*IN_SOLVENT, "--disordered"),
+        (*IN_SOLVENT, "--periodic", "--nonbonded-cutoff", 0.9),
+        ("--forcefield", PROTEIN, "--no-native-energies"),
+        ("--periodic", "--rigid-bodies"),
+    ],
+)
+def test_aSingleRunOfAnyKind(runHere, tmp_path, monkeypatch, options):
+    """Killed after frames that its last checkpoint does not count, one of them torn."""
+    options = ("boxed.pdb", *options, "--trials", 1600, "--frames", 8, "--seed", 3, "--trials-per-round", 400)
+    text = (tmp_path / "dipeptide.pdb").read_text()
+    (tmp_path / "boxed.pdb").write_text("CRYST1   30.000   31.000   32.000  90.00  90.00  90.00 P 1\n" + text)
+    assert runHere(*options, "-o", "whole", "--json", "whole.json").returncode == 0
+    with monkeypatch.context() as patches, pytest.raises(Killed):
+        killAfter(patches, ReplicaFiles, "add", 5, False)
+        runHere(*options, "-o", "cut", "--json", "cut.json", "--checkpoint-interval", 0)
+    with open(tmp_path / "cut.dcd", "ab") as file:
+        file.write(b"torn")
+    result = runHere("--resume", "cut.checkpoint")
+    assert result.returncode == 0 and "going on after 800 trials" in result.stdout, result.stderr
+    assertSameRun(tmp_path)
 
 
 def test_interruptedOnce(tmp_path):
@@ -292,11 +346,10 @@ def test_moreTrials(runHere, tmp_path, monkeypatch, options, trials, frames):
 @pytest.mark.parametrize(
     ("trials", "frames", "perRound", "more", "words"),
     [
-        (30, 3, 10, 20, "run.checkpoint: a run of 30 trials can be continued to more, not to 20"),
+        (30, 3, 10, 20, "run.checkpoint: the run has made 30 trials, and cannot end after 20"),
         (30, 3, 10, 45, "run.checkpoint: --trials has to be a multiple of the 10 between frames"),
         (30, 3, 20, 40, "cannot be continued to more trials, since its last round ended after fewer than 20 of them"),
         (30, 4, 10, 40, "cannot be continued to more trials, since its last frame came after fewer than 8 of them"),
-        (30, 3, 10, 2**31 + 2, "cannot be continued to more trials, since its trajectories cannot count them"),
     ],
 )
 def test_noMoreTrials(runHere, tmp_path, trials, frames, perRound, more, words):
@@ -331,7 +384,7 @@ def spoil(path, what):
         with zipfile.ZipFile(path, "w") as archive:
             header = source.read("run.json")
             archive.writestr(
-                "run.json", header.replace(b'"version": 2', b'"version": 9') if what == "version" else header
+                "run.json", header.replace(b'"version": 3', b'"version": 9') if what == "version" else header
             )
             for name, other in (("0", "1"), ("1", "0")):
                 archive.writestr(name, source.read(other))

@@ -153,7 +153,7 @@ def test_interruptLeavesWhatThereIs(tmp_path):
     status, output, shown = commands.runOnATerminal(
         *("sample", "--trials", 10**9, "--frames", 10**6, "--seed", 1, "--json", "summary.json"),
         folder=tmp_path,
-        interruptAt=r"[1-9]\d{3,}/1000000000",  # after the first frame, which comes every 1,000 trials
+        interruptAt=r"[1-9]\d{5,}/1000000000",  # after the first rounds of 10,000 trials
     )
     assert status == 130
     assert "Traceback" not in shown and "openmm-chaintree:" not in shown
@@ -183,7 +183,8 @@ def test_smallestProtein(tmp_path):
     result = run(structure, "--trials", 500, "--frames", 5, folder=tmp_path)
     assert result.returncode == 0, result.stderr
     assert filesIn(tmp_path) == [
-        f"glycines{ending}" for ending in ("-settings.toml", "-topology.pdb", ".dcd", ".pdb", ".png")
+        *(f"glycines{ending}" for ending in ("-settings.toml", "-topology.pdb", ".checkpoint", ".csv")),
+        *(f"glycines{ending}" for ending in (".dcd", ".pdb", ".png")),
     ]
     assert "1 phi, 1 psi" in result.stdout
 
@@ -322,5 +323,5 @@ def test_filesAreNamedAfterTheStructure(tmp_path):
     work = tmp_path / "work"
     work.mkdir()
     run(structure, "--trials", 100, folder=work)
-    assert filesIn(work) == ["glycines-settings.toml", "glycines-topology.pdb", "glycines.dcd", "glycines.png"]
+    assert filesIn(work) == [name.replace("villin", "glycines") for name in commands.VILLIN_FILES]
     assert filesIn(Path(structure).parent) == ["glycines.pdb"]

@@ -9,7 +9,7 @@ import pytest
 from commands import COMMAND, filesIn
 from scenes import GLYCINES, readDCD, writeLongTrajectory, writePDB
 
-BEGUN = r"[1-9]\d{3,}/"  # a progress bar of many trials
+BEGUN = r"[1-9]\d{5,}/"  # a progress bar of many trials
 
 
 def runUntil(number, pattern, *arguments, folder):
@@ -21,13 +21,13 @@ def runUntil(number, pattern, *arguments, folder):
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
 def test_sample(tmp_path, number):
-    """In one long step, too: of these frames none comes in a lifetime."""
+    """Of these frames none comes in a lifetime; the checkpoint has the state."""
     writePDB(tmp_path / "run.pdb", GLYCINES)
     arguments = ("run.pdb", "--trials", 10**12, "--frames", 3, "--json", "a.json")
     runUntil(number, BEGUN, "sample", *arguments, folder=tmp_path)
     summary = json.loads((tmp_path / "a.json").read_text())
-    assert summary["interrupted"] and summary["frames"] == 2 == len(readDCD(tmp_path / "run.dcd"))
-    assert summary["trials"] == sum(move["attempted"] for move in summary["moves"])
+    assert summary["interrupted"] and summary["frames"] == 1 == len(readDCD(tmp_path / "run.dcd"))
+    assert 0 < summary["trials"] == sum(move["attempted"] for move in summary["moves"])
 
 
 @pytest.mark.parametrize("options", [["--replicas", 3], ["--replicas", 3, "--trials-per-round", 10**11, "--frames", 3]])

@@ -2,12 +2,21 @@
 
 import argparse
 import os
+import re
 import sys
+from decimal import Decimal
 
 from ..errors import InputError
 from ..nearnames import didYouMean, nearestName
 from ..notes import listFirst
 from .terminal import BAD_INPUT, printError
+
+_MOST_DIGITS = 20  # of whole numbers
+
+_SECONDS = {"s": 1, "min": 60, "h": 3600, "d": 86400}
+_DURATION_PART = re.compile(r"(\d+(?:\.\d*)?)\s*(s|min|h|d)?")
+_DURATION = re.compile(rf"\d+(\.\d*)?|({_DURATION_PART.pattern.removesuffix('?')}\s*)+")
+_LONGEST_DURATION = 10 * 365 * 86400  # s
 
 
 class Parser(argparse.ArgumentParser):
@@ -50,7 +59,7 @@ def numberIn(least, largest, read=float, kind="a number", form="g"):
     def readInRange(text):
         try:
             value = read(text)
-        except ValueError:
+        except (ValueError, ArithmeticError):
             raise argparse.ArgumentTypeError(f"{text!r} is not {kind}") from None
         if not least <= value <= largest:
             raise argparse.ArgumentTypeError(f"{value:{form}} is not in the range {least:{form}} to {largest:{form}}")
@@ -59,8 +68,27 @@ def numberIn(least, largest, read=float, kind="a number", form="g"):
     return readInRange
 
 
+def _readWhole(text):
+    """Return the whole number of a text such as 1000000, 2_000_000 or 1.5e6."""
+    value = Decimal(text)
+    if not value.is_finite() or value != value.to_integral_value():
+        raise ValueError
+    return int(value) if value.adjusted() < _MOST_DIGITS else 10**_MOST_DIGITS
+
+
 def _wholeNumberIn(least, largest):
-    return numberIn(least, largest, int, "a whole number", "d")
+    return numberIn(least, largest, _readWhole, "a whole number", "d")
+
+
+def duration(text):
+    """Return the seconds of a text such as 90, 45s, 30min, 1.5h or 1h30min."""
+    parts = _DURATION.fullmatch(text.strip()) and _DURATION_PART.findall(text)
+    if not parts:
+        raise argparse.ArgumentTypeError(f"{text!r} is no time such as 30min, 1.5h or 90 (seconds)")
+    seconds = sum(float(number) * _SECONDS[unit or "s"] for number, unit in parts)
+    if not 0 < seconds <= _LONGEST_DURATION:
+        raise argparse.ArgumentTypeError(f"{text!r} has to be above 0, and at most ten years")
+    return seconds
 
 
 positive = _wholeNumberIn(1, 10**15)

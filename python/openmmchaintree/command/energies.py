@@ -30,9 +30,14 @@ class Energies:
         """Return the integrator's U of the current positions, kJ/mol."""
         return self._integrator.getPotentialEnergy(self._context)
 
-    def stages(self):
-        """Return the StageStatistics of stages that have decided trials."""
-        return [stage for stage in self._integrator.getStageStatistics() if stage.computed]
+    def describeStages(self, counts):
+        """Return a dictionary for each stage that has decided trials, from (decided, refused) of all stages."""
+        names = [stage.stage for stage in self._integrator.getStageStatistics()]
+        return [
+            {"stage": name, "computed": computed, "refused": refused}
+            for name, (computed, refused) in zip(names, counts, strict=bool(counts))
+            if computed
+        ]
 
     def outerTests(self):
         """Return the OuterStatistics, or None if there was no outer test."""

@@ -10,8 +10,10 @@ _FRAMES = 50
 _TRIALS_PER_FRAME = 400
 
 
-def measureForbidden(sampling, interrupts):
+def measureForbidden(sampling, trials, interrupts):
     """Find the share of frames that hard spheres forbid, by a short run without spheres from a Sampling's positions.
+
+    These are the positions after a run of a number of trials.
 
     Return None if there is no force field, or if there are no hard spheres. Otherwise return a dictionary with the
     number of "frames", the number "forbidden" (None if unknown), and a "text" on it. Interrupts end the run, too.
@@ -20,7 +22,7 @@ def measureForbidden(sampling, interrupts):
         return None
     if any(entry.kind == "foreign" for entry in sampling.energies.plan):
         return _unknown("OpenMM evaluates a force, which would take too long")
-    if sampling.trials < _FRAMES * _TRIALS_PER_FRAME:
+    if trials < _FRAMES * _TRIALS_PER_FRAME:
         return _unknown(f"that takes a run of {_FRAMES * _TRIALS_PER_FRAME:,} trials or more")
     forbidden = sum(len(sampling.check(positions).beyond.pairs) > 0 for positions in _runWithout(sampling, interrupts))
     if interrupts:

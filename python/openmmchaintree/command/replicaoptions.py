@@ -1,4 +1,4 @@
-"""The options of runs with many replicas."""
+"""The options of replicas, checkpoints and resumed runs."""
 
 from typing import NamedTuple
 
@@ -14,27 +14,56 @@ _TRIALS_PER_ROUND = 10000  # without exchange
 _CHECKPOINT_INTERVAL = 60.0  # s
 _BYTES_PER_ATOM = 24  # in a stored frame
 
-_NEED_REPLICAS = ("workers", "scheduler", "trials_per_round", "trajectories", "checkpoint_interval", "resume")
+# Rounds of a single run end with a frame, unless there are more trials between frames, and hold few frames in memory.
+_MOST_FRAMES_PER_ROUND = 20
+_LONGEST_FRAME = 50000  # trials
+
+_NEED_REPLICAS = ("workers", "scheduler", "trajectories")
 
 
 class ReplicaChoice(NamedTuple):
-    """The options of replicas that the user chose.
+    """The options of replicas and checkpoints that the user chose.
 
+    isSingle : bool, whether this is a single run, which is the run of one replica with the seed of the run
     temperatures : list of float, K, to exchange, or None
     replicas, workers : int
-    trialsPerRound : int
+    trialsPerRound : int, or None for that of a single run
     filesByTemperature : bool, whether each temperature has a trajectory, instead of each replica
     checkpointInterval : float, s
     scheduler : str, the address of a Dask scheduler whose workers run replicas, or None
     """
 
+    isSingle: bool
     temperatures: list[float] | None
     replicas: int
     workers: int
-    trialsPerRound: int
+    trialsPerRound: int | None
     filesByTemperature: bool
     checkpointInterval: float
     scheduler: str | None
+
+
+def addCheckpointOptions(parser):
+    """Add the options of checkpoints, and of resumed runs, to a parser."""
+    parser.add_argument(
+        "--checkpoint-interval",
+        type=numberIn(0, 1e9),
+        metavar="S",
+        help=f"seconds between checkpoints (default: {_CHECKPOINT_INTERVAL:g}); 0: after each round",
+    )
+    parser.add_argument(
+        "--resume",
+        metavar="FILE",
+        help="resume a run from its checkpoint, PREFIX.checkpoint, with all its settings; with --trials, extend it",
+    )
+    parser.add_argument(
+        "--trials-per-round",
+        type=positive,
+        metavar="M",
+        help="trials of each replica per round, without exchange; a run can be resumed only from the end of a round "
+        f"(default: {_TRIALS_PER_ROUND}, or about that for a single run); longer rounds lower the load of a scheduler "
+        "with many workers",
+    )
 
 
 def addReplicaOptions(parser):
@@ -58,13 +87,6 @@ def addReplicaOptions(parser):
         help=f"trials of each replica between exchanges (default: {_TRIALS_PER_EXCHANGE})",
     )
     parser.add_argument(
-        "--trials-per-round",
-        type=positive,
-        metavar="M",
-        help="trials of each replica per round, without exchange; a run can be resumed only from the end of a round "
-        f"(default: {_TRIALS_PER_ROUND}); longer rounds lower the load of a scheduler with many workers",
-    )
-    parser.add_argument(
         "--workers",
         type=positive,
         metavar="W",
@@ -76,21 +98,10 @@ def addReplicaOptions(parser):
         choices=("replica", "temperature"),
         help="write a trajectory per replica or per temperature (default: temperature with exchange, else replica)",
     )
-    parser.add_argument(
-        "--checkpoint-interval",
-        type=numberIn(0, 1e9),
-        metavar="S",
-        help=f"seconds between checkpoints of all replicas (default: {_CHECKPOINT_INTERVAL:g}); 0: after each round",
-    )
-    parser.add_argument(
-        "--resume",
-        metavar="FILE",
-        help="resume a run with replicas from its checkpoint, with all its settings; with --trials, extend it",
-    )
 
 
 def readReplicaOptions(options):
-    """Return the ReplicaChoice of the options, or None for a single run.
+    """Return the ReplicaChoice of the options.
 
     Raises
     ------
@@ -117,20 +128,20 @@ def readReplicaOptions(options):
         refuseWithout(options, "--temperatures", "trials_per_exchange")
         if options.trajectories == "temperature":
             raise InputError("--trajectories temperature needs --temperatures")
-    if temperatures is None and options.replicas is None:
-        needed = "--replicas or --temperatures; --replicas 1 is a run of one"
-        refuseWithout(options, needed, *_NEED_REPLICAS)
-        return None
+    isSingle = temperatures is None and options.replicas is None
+    if isSingle:
+        refuseWithout(options, "--replicas or --temperatures", *_NEED_REPLICAS)
     checkWorkers(options)
-    workers = options.workers or usableCores()
+    workers = 1 if isSingle else options.workers or usableCores()
     interval = _CHECKPOINT_INTERVAL if options.checkpoint_interval is None else options.checkpoint_interval
     if temperatures is None:
-        trialsPerRound = options.trials_per_round or _TRIALS_PER_ROUND
+        trialsPerRound = options.trials_per_round or (None if isSingle else _TRIALS_PER_ROUND)
     else:
         trialsPerRound = options.trials_per_exchange or _TRIALS_PER_EXCHANGE
     return ReplicaChoice(
+        isSingle,
         temperatures,
-        options.replicas if temperatures is None else len(temperatures),
+        (options.replicas or 1) if temperatures is None else len(temperatures),
         workers,
         trialsPerRound,
         options.trajectories != "replica" if temperatures is not None else False,
@@ -148,8 +159,17 @@ def makePlan(choice, options, energyModel, seed, atoms):
         if the frames of a round, which stay in memory until its end, need too much memory
     """
     temperatures = choice.temperatures or [300.0 if energyModel is None else energyModel.temperature]
-    schedule = Schedule(options.trials, choice.trialsPerRound, -(-options.trials // options.frames))
-    framesPerRound = -(-min(choice.trialsPerRound, options.trials) // schedule.interval)
-    what = f"{framesPerRound:,} frames of each round of {choice.trialsPerRound:,} trials"
+    interval = -(-options.trials // options.frames)
+    perRound = choice.trialsPerRound or _roundOfSingleRun(interval)
+    framesPerRound = -(-min(perRound, options.trials) // interval)
+    what = f"{framesPerRound:,} frames of each round of {perRound:,} trials"
     checkMemory(framesPerRound * _BYTES_PER_ATOM * atoms, f"--frames {options.frames}: the {what} take")
-    return RunPlan(schedule, temperatures, deriveSeeds(seed, choice.replicas), seed)
+    seeds = [seed] if choice.isSingle else deriveSeeds(seed, choice.replicas)
+    return RunPlan(Schedule(options.trials, perRound, interval), temperatures, seeds, seed)
+
+
+def _roundOfSingleRun(interval):
+    """Return the trials of a round of a single run with a number of trials between frames."""
+    if interval > _LONGEST_FRAME:
+        return _TRIALS_PER_ROUND
+    return interval * min(max(1, _TRIALS_PER_ROUND // interval), _MOST_FRAMES_PER_ROUND)

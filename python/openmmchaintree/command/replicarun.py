@@ -11,6 +11,7 @@ from ..replicas.checkpointfile import nameTemporary, writeCheckpoint
 from ..replicas.coordinator import Coordinator, RunState
 from .outputs.output import OutputError, encoded
 from .outputs.replicafiles import ReplicaFiles
+from .runprogress import RunProgress
 from .terminal import interruptFlag, printError, progress
 
 
@@ -22,12 +23,14 @@ class ReplicaRun:
     plan : RunPlan
     state : RunState
     interrupts : Interrupts, or False before it runs
+    endedBy : str
+        the option that ended the run before its last trial, or None
     reports : list of str
         the digests of the reports written at the end
     """
 
-    def __init__(self, sampling, plan, choice, settings, outputs, model, workers):
-        """Take a Sampling at its start, a RunPlan, a ReplicaChoice, settings, Outputs, and the workers.
+    def __init__(self, sampling, plan, choice, stopping, settings, outputs, model, workers):
+        """Take a Sampling at its start, a RunPlan, a ReplicaChoice, a Stopping, settings, Outputs, and the workers.
 
         outputs : dict of "checkpoint" and "index", Outputs, and "trajectories", a list of them
         model : Model, of the Sampling; workers : ThreadReplicas or ClusterReplicas of that Model
@@ -36,6 +39,7 @@ class ReplicaRun:
         self._model = model
         self._workers = workers
         self._choice = choice
+        self._stopping = stopping
         self._settings = settings
         self._outputs = outputs
         self._indexMark = None
@@ -43,6 +47,7 @@ class ReplicaRun:
         self.plan = plan
         self.state = RunState(plan, len(sampling.moves))
         self.interrupts = False
+        self.endedBy = None
         self._coordinator = None
         self.reports = []
 
@@ -82,39 +87,56 @@ class ReplicaRun:
             raise
 
     def run(self):
-        """Run to the end, or until the user interrupts.
+        """Run to the end, or until Stopping ends the run or the user interrupts.
 
         Raises
         ------
         OutputError
             if a file cannot be written, OpenMM fails, or a cluster is lost; --resume continues from the last checkpoint
         """
-        plan, state = self.plan, self.state
-        total = plan.schedule.trials * len(plan.seeds)
+        plan, state, stopping = self.plan, self.state, self._stopping
+        total = stopping.totalOf(plan)
         with self._files:
             try:
-                with interruptFlag(self._stop) as self.interrupts, progress(total) as advance:
-                    while state.round < plan.schedule.rounds and not self.interrupts:
-                        self._runFor(self._choice.checkpointInterval, advance)
-                        self._sync()
-                        self._save()
+                with interruptFlag(self._stop) as self.interrupts, progress(total, hasText=True) as show:
+                    stopping.begin()
+                    shown = RunProgress(show, total, state, stopping)
+                    self._workers.callAfterSteps(shown.add)
+                    isOver = self._isOver()
+                    due = monotonic() + self._choice.checkpointInterval
+                    while not isOver:
+                        self._runFor(min(due - monotonic(), stopping.secondsLeft()), shown)
+                        isOver = self._isOver()
+                        if isOver or monotonic() >= due:
+                            self._sync()
+                            self._save()
+                            due = monotonic() + self._choice.checkpointInterval
             except (OutputError, ClusterError, openmm.OpenMMException) as error:
                 raise OutputError(f"{error}; {self._whereItStopped()}") from error
             except KeyboardInterrupt:
                 printError(f"interrupted; {self._whereItStopped()}")
                 raise
 
-    def _runFor(self, seconds, advance):
+    def _isOver(self):
+        """Whether the run ends now; ask what may end it early."""
+        if self.state.round >= self.plan.schedule.rounds or self.interrupts:
+            return True
+        self.endedBy = self._stopping.reason(self)
+        return self.endedBy is not None
+
+    def _runFor(self, seconds, shown):
         """Run rounds for some seconds, at least one round; an interrupt keeps the rounds that all have completed."""
         self._coordinator = coordinator = Coordinator(self.plan, self.state, self._files.add)
         begun = monotonic()
+        shown.reach(coordinator.trials)
 
         def shouldHold():
-            advance(coordinator.trials)
+            shown.reach(coordinator.trials)
             return monotonic() >= begun + seconds
 
         if not self.interrupts:
-            coordinator.run(self._workers.submit, self._workers.slots(), shouldHold)
+            until = self._stopping.nextRound(self.state.round)
+            coordinator.run(self._workers.submit, self._workers.slots(), shouldHold, until)
         if self.interrupts:
             self._files.shorten(self.state.round)
         self.state.wallSeconds += monotonic() - begun

@@ -1,27 +1,31 @@
-"""The command openmm-chaintree sample with replicas: names their files, runs them, reports."""
+"""The command openmm-chaintree sample after its preparation: names the files, runs one or many replicas, reports."""
 
 from contextlib import closing
 
+from ..notes import countOf
 from ..replicas.threads import ThreadReplicas
 from .ending import endRun, writeReports
 from .outputs.outputfiles import Writing, beginning
 from .outputs.replicafiles import readIndex, trajectoryNames
 from .outputs.scenefiles import removeScene, renewSettings, writeScene
-from .pictures import savePicture
 from .replicaoptions import makePlan
 from .replicarun import NotedReport, ReplicaRun
 from .reports.planreport import printPlan
-from .reports.replicareport import isBeyond, printReplicaReport, summarizeReplicas
+from .runkinds import ManyReplicas, SingleRun
 from .savedrun import FREE_SETTINGS, REPORTS
+from .stopping import Stopping
 
 _TRAJECTORY = "trajectory "
 
 
-def replicaNames(prefix, choice):
-    """Return the names of the files of a ReplicaChoice by kind."""
+def namesOfRun(prefix, choice):
+    """Return the names of the files that grow during the run of a ReplicaChoice, and of its checkpoint, by kind."""
+    checkpoint = f"{prefix}.checkpoint"
+    if choice.isSingle:
+        return {f"{_TRAJECTORY}0": f"{prefix}.dcd", "index": f"{prefix}.csv", "checkpoint": checkpoint}
     names = trajectoryNames(prefix, choice.replicas, choice.temperatures, choice.filesByTemperature)
     numbered = {f"{_TRAJECTORY}{number}": name for number, name in enumerate(names)}
-    return {"index": f"{prefix}-index.csv", "checkpoint": f"{prefix}.checkpoint", **numbered}
+    return {"index": f"{prefix}-index.csv", "checkpoint": checkpoint, **numbered}
 
 
 def sampleReplicas(prepared, choice, saved):
@@ -45,7 +49,7 @@ def _sampleBy(workers, model, prepared, choice, saved):
     trajectories = [output for kind, output in outputs.items() if kind.startswith(_TRAJECTORY)]
     files = {"trajectories": trajectories, "index": outputs["index"], "checkpoint": outputs["checkpoint"]}
     plan = makePlan(choice, options, energyModel, seed, len(sampling.structure.positions))
-    run = ReplicaRun(sampling, plan, choice, settings, files, model, workers)
+    run = ReplicaRun(sampling, plan, choice, Stopping(options.time), settings, files, model, workers)
     if saved is not None:
         run.goOn(saved)
     writing = Writing()
@@ -53,20 +57,13 @@ def _sampleBy(workers, model, prepared, choice, saved):
         with beginning(outputs.values()):
             _beginFiles(run, outputs, sampling.structure, settings, saved)
         printPlan(sampling, console)
-        console.print(_describeRun(run, choice))
+        for line in _describeRun(run, choice):
+            console.print(line)
         run.run()
 
         index = readIndex(outputs["index"].path)
-        summary = summarizeReplicas(
-            sampling,
-            run.plan,
-            run.state,
-            index,
-            seed=seed,
-            workers=choice.workers,
-            interrupted=bool(run.interrupts),
-            addedHydrogens=added,
-        )
+        kind = SingleRun(run, sampling) if choice.isSingle else ManyReplicas(run, sampling, choice.workers)
+        summary = kind.summarize(index, seed=seed, addedHydrogens=added)
         written = ["topology", "settings", "index", "checkpoint"]
         writing.files = [
             *(outputs[kind].name for kind in written if kind in outputs),
@@ -74,13 +71,13 @@ def _sampleBy(workers, model, prepared, choice, saved):
         ]
         reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
         if summary["frames"] > 1:
-            writing.write(reports["picture"], lambda output: savePicture("replicapicture", output, summary, index))
+            writing.write(reports["picture"], lambda output: kind.savePicture(output, summary, index, trajectories))
         summary["files"] = writing.files
         writeReports(writing, reports, sampling.notes, summary)
     finally:
         outputs["topology"].release()
-    printReplicaReport(summary, console, options.verbose)
-    return endRun(writing, isBeyond(summary), run.interrupts)
+    kind.printReport(summary, console, options.verbose)
+    return endRun(writing, kind.isBeyond(summary), kind.interrupts)
 
 
 def _beginFiles(run, outputs, structure, settings, saved):
@@ -101,12 +98,14 @@ def _beginFiles(run, outputs, structure, settings, saved):
 
 
 def _describeRun(run, choice):
-    """Return a line on the replicas of a ReplicaRun."""
+    """Return lines on the replicas of a ReplicaRun, and where it resumes."""
     plan, trials = run.plan, run.plan.schedule.trialsBefore(run.state.round)
-    words = f"replicas: {len(plan.seeds)} by {choice.workers} worker{'' if choice.workers == 1 else 's'}"
+    if choice.isSingle:
+        return [f"going on after {countOf(trials, 'trial')}"] if trials else []
+    words = f"replicas: {len(plan.seeds)} by {countOf(choice.workers, 'worker')}"
     if choice.scheduler is not None:
         words += f" of {choice.scheduler}"
     if plan.isExchange:
         kelvins = ", ".join(f"{temperature:.1f}" for temperature in plan.temperatures)
         words += f", which exchange the temperatures {kelvins} K every {plan.schedule.trialsPerRound:,} trials"
-    return f"{words}; going on after {trials:,} trials of each" if trials else words
+    return [f"{words}; going on after {countOf(trials, 'trial')} of each" if trials else words]

@@ -12,35 +12,28 @@ from ..errors import InputError
 from ..images import engineBox
 from ..structures.structure import readStructure, withoutAtoms
 from ..torsions import KIND_WORDS, KINDS_WITH_ENERGIES
-from .arguments import addPeriodic, addStructure, frameCount, listOf, notNegative, numberIn, positive, seed
+from .arguments import addPeriodic, addStructure, listOf, notNegative, numberIn, seed
 from .config import addConfig, applySettings, readSettings, settingsOf
-from .ending import endRun, writeReports
 from .energyoptions import addEnergyOptions, readEnergyOptions
 from .energysettings import EnergySettings
-from .forbidden import measureForbidden
 from .hydrogens import addHydrogens
-from .outputs.output import OutputError
-from .outputs.outputfiles import Writing, addOverwrite, beginning, checkOutputs
-from .outputs.scenefiles import removeScene, writeScene
-from .outputs.trajectoryfile import TrajectoryFile
-from .pictures import savePicture
+from .outputs.outputfiles import addOverwrite, checkOutputs
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .preparing.minimizing import minimizeStructure
 from .preparing.preparation import prepareStructure
-from .replicaoptions import addReplicaOptions, readReplicaOptions
-from .replicasample import replicaNames, sampleReplicas
+from .replicaoptions import addCheckpointOptions, addReplicaOptions, readReplicaOptions
+from .replicasample import namesOfRun, sampleReplicas
 from .reports.noteoutput import addNotes, asText
-from .reports.planreport import printPlan
-from .reports.samplereport import printReport, summarize
 from .sampling import Sampling
 from .savedrun import SavedRun
-from .terminal import ReportConsole, collectionPaused, interruptFlag, printError, progress
+from .stopping import addStopping, settleTrials
+from .terminal import ReportConsole, collectionPaused
 
 __all__ = ["addArguments", "applySettings"]
 
 _NONE = "none"
 
-_ENDINGS = {"trajectory": ".dcd", "topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
+_ENDINGS = {"topology": "-topology.pdb", "picture": ".png", "settings": "-settings.toml"}
 
 _DESCRIPTION = """\
 Sample the torsions of proteins and nucleic acids: as hard spheres or, with --forcefield or --system, from the Boltzmann
@@ -98,10 +91,8 @@ def addArguments(sample):
     sample.add_argument(
         "--model", type=notNegative, default=0, metavar="K", help="the model to sample, from 0 (default: %(default)s)"
     )
-    sample.add_argument("--trials", type=positive, default=100000, help="number of trials (default: %(default)s)")
-    sample.add_argument(
-        "--frames", type=frameCount, default=200, help="frames to write after the start (default: %(default)s)"
-    )
+    addStopping(sample.add_argument_group("length of the run"))
+    addCheckpointOptions(sample.add_argument_group("checkpoints"))
     sample.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
     sample.add_argument(
         "-o", "--output", metavar="PREFIX", help="prefix of output file names (default: the structure's name)"
@@ -182,9 +173,10 @@ class Prepared(NamedTuple):
 
 def _run(options):
     saved = None if options.resume is None else SavedRun(options.resume)
+    settleTrials(options)
     energyModel, pH = readEnergyOptions(options)
     replicas = readReplicaOptions(options)
-    if replicas is not None and replicas.temperatures is not None:
+    if replicas.temperatures is not None:
         energyModel.temperature = replicas.temperatures[0]
     seed = options.seed if options.seed is not None else random.SystemRandom().randint(1, 2**31 - 1)
     settings = {**settingsOf(options.parser, options), "seed": seed}
@@ -227,7 +219,7 @@ def _run(options):
     if options.prepare or options.minimize:  # line by line, and shortly again in the report
         console.print(asText(structure.notes).rstrip())
     prepared = Prepared(options, settings, outputs, console, sampling, energyModel, seed, added)
-    return _sampleOne(prepared) if replicas is None else sampleReplicas(prepared, replicas, saved)
+    return sampleReplicas(prepared, replicas, saved)
 
 
 def _checkFolder(options):
@@ -237,29 +229,6 @@ def _checkFolder(options):
         raise InputError(
             f"structure {name}: there is no such file; names in {source} are relative to where the command runs"
         )
-
-
-def _sampleOne(prepared):
-    """Run one replica; return the exit status."""
-    options, settings, outputs, console, sampling, _, seed, added = prepared
-    writing = Writing()
-    try:
-        with beginning(outputs.values()):
-            trajectory = _beginFiles(outputs, sampling.structure, settings, options.trials, options.frames)
-        with trajectory:
-            printPlan(sampling, console)
-            writing.files = [outputs[kind].name for kind in ("topology", "trajectory", "settings") if kind in outputs]
-            interrupted, forbidden = _sample(sampling, options.trials, trajectory, writing.failures)
-        if len(sampling.frames) > 1:
-            kinds, moves = [torsion.kind for torsion in sampling.torsions], [move.name for move in sampling.moves]
-            about = sampling.structure.name, sampling.frames, kinds, moves
-            writing.write(outputs["picture"], lambda output: savePicture("samplepicture", output, *about))
-        summary = summarize(sampling, seed, writing.files, bool(interrupted), added, forbidden)
-        writeReports(writing, outputs, sampling.notes, summary)
-    finally:
-        outputs["topology"].release()
-    printReport(summary, console, options.verbose)
-    return endRun(writing, summary["pairsBeyondLimit"] or summary["changedBonds"], interrupted)
 
 
 def _prepare(structure, options, energyModel, pH, seed):
@@ -286,10 +255,7 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
     if beginning in ("", ".", ".."):
         example = os.path.join(folder, beginning, structureName)
         raise InputError(f"-o {prefix or repr('')}: the names of output files need a beginning, such as {example}")
-    names = {kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}
-    if replicas is not None:
-        del names["trajectory"]
-        names = {**replicaNames(prefix, replicas), **names}
+    names = {**namesOfRun(prefix, replicas), **{kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}}
     names |= {"json": options.json, "notes": options.notes}
     given = [options.system, *(options.parameters or ())]
     inputs = [name for name in (options.structure, options.config, *given) if name is not None]
@@ -298,40 +264,3 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
             del names["settings"]
     check = checkOutputs if saved is None else saved.checkOutputs
     return check(names, inputs, options.overwrite)
-
-
-def _beginFiles(outputs, structure, settings, trials, frames):
-    """Write constant files and begin the trajectory with the initial structure; return it. Remove all on failure."""
-    writeScene(outputs, structure, settings)
-    try:
-        interval = -(-trials // frames)
-        expected = 1 + -(-trials // interval)
-        return TrajectoryFile(outputs["trajectory"], structure.topology, structure.positions, interval, expected)
-    except BaseException:
-        removeScene(outputs)
-        raise
-
-
-def _sample(sampling, trials, trajectory, failures):
-    """Run all trials and write frames at equal intervals; return Interrupts and the result of measureForbidden.
-
-    An OutputError also ends the run and is added to `failures`.
-    """
-    with interruptFlag() as interrupted, progress(trials) as advance:
-
-        def proceed():
-            advance(sampling.trials)
-            return not interrupted
-
-        try:
-            while sampling.trials < trials and not interrupted:
-                trajectory.write(sampling.run(min(trajectory.interval, trials - sampling.trials), proceed, interrupted))
-        except OutputError as error:
-            failures.append(error)
-            del sampling.frames[trajectory.frames :]
-        except openmm.OpenMMException as error:
-            raise OutputError(f"{error}; {trajectory.describe()}") from error
-        except KeyboardInterrupt:
-            printError(f"interrupted; {trajectory.describe()}")
-            raise
-        return interrupted, measureForbidden(sampling, interrupted)

@@ -1,6 +1,5 @@
 """Torsion-space Monte Carlo of the moving parts of a Plan, with everything else as obstacles."""
 
-from time import perf_counter
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..moveadder import NamedMove
 from ..movescene import MoveScene
 from ..naming import nameAtom
 from ..openmmchaintree import TorsionMonteCarloIntegrator
-from ..replicas.segment import makeModel, splitTrials
+from ..replicas.segment import makeModel
 from ..sterics import makeForce
 from . import allpairs
 from .energies import Energies
@@ -24,7 +23,6 @@ from .fixedparticles import fixParticles
 from .flexible import addAtomMove, findScales
 from .geometry import BondLengths, dihedrals, radiusOfGyration
 from .plan import Choice, Plan
-from .reports.energyreport import summarizeEnergies
 
 
 class _MoveKind(NamedTuple):
@@ -54,24 +52,19 @@ _MOVE_KINDS = (
 _CLOSED_WEIGHT, _CLOSED_STEP = 2.0, 12  # degrees
 
 
-class Frame(NamedTuple):
-    """Recorded data of a conformation; for each move, its counts since the start: (moves, 4).
+class ShownAngles(NamedTuple):
+    """The angles of a conformation in rad that the picture shows.
 
-    The energy is U in kJ/mol, None for hard spheres alone.
-
-    Angles are in rad: (residues, 2) for residues in which φ and ψ rotate; of all torsions only without such residues.
+    phiPsi : (residues, 2) array, of residues in which φ and ψ rotate
+    torsions : array, of all torsions; empty if there are such residues
     """
 
-    trials: int
     phiPsi: np.ndarray
-    torsionAngles: np.ndarray
-    radiusOfGyration: float
-    counts: np.ndarray
-    energy: float | None = None
+    torsions: np.ndarray
 
 
 class Sampling:
-    """A run: made from a Structure and a Choice, advanced by `run`, checked by `check`.
+    """What a run samples, made from a Structure and a Choice: its Context, moves and energies, and checks of positions.
 
     Attributes
     ----------
@@ -90,12 +83,8 @@ class Sampling:
         in the order of the integrator's moves
     startOverlaps : allpairs.Overlaps
         computed without the engine
-    frames : list of Frame
-        the initial frame and the later ones
-    trials : int
-        number of trials made
-    seconds : float
-        wall-clock time spent in the integrator
+    startEnergy : float or None
+        U at the start, kJ/mol; None for hard spheres alone
     energies : Energies or None
         the parts of U; None for hard spheres alone
     isFlexible : bool
@@ -176,10 +165,7 @@ class Sampling:
         self._spheres = allpairs.HardSpheres(self.force, box)
         self.startOverlaps = self._spheres.overlaps(structure.positions)
         self._bonds = BondLengths(self.force, structure.positions)
-        self.frames = []
-        self.trials = 0
-        self.seconds = 0.0
-        self._keepFrame(structure.positions)
+        self.startEnergy = None if self.energies is None else self.energies.held()
 
     def _makeSystem(self, energyModel, box):
         if energyModel is None:
@@ -214,30 +200,6 @@ class Sampling:
             self.integrator.addRigidBodyMove(1.0, 0.01 * unit.nanometer, 1 * unit.degrees, self.plan.rigidBodies)
             moves.append(NamedMove("rigid body 0.01 nm, ±1°", 1.0))
         return moves
-
-    def run(self, trials, proceed, interrupts):
-        """Run a number of trials and record a frame; end early if proceed() returns false, or at Interrupts.
-
-        Return the positions, a float64 array of shape (n, 3) in nm.
-        """
-        for count in splitTrials(trials, self.energies is not None):
-            self.integrator.setTrialsPerStep(count)
-            start = perf_counter()
-            interrupts.runStep(lambda: self.integrator.step(1))
-            self.seconds += perf_counter() - start
-            self.trials += count if not interrupts else self._attempted() - self.trials
-            if not proceed():
-                break
-        positions = self.positions()
-        self._keepFrame(positions)
-        return positions
-
-    def statistics(self):
-        """Return the MoveStatistics of each move."""
-        return [self.integrator.getMoveStatistics(i) for i in range(len(self.moves))]
-
-    def _attempted(self):
-        return sum(statistics.attempted for statistics in self.statistics())
 
     @property
     def isHard(self):
@@ -293,22 +255,11 @@ class Sampling:
             self.energies is not None,
         )
 
-    def summarizeEnergies(self):
-        """Return a summary of energies as plain dictionaries and lists; None for hard spheres alone."""
-        if self.energies is None:
-            return None
-        return summarizeEnergies(self.energies, self.frames, self.positions())
-
-    def _keepFrame(self, positions):
-        frame = Frame(
-            trials=self.trials,
-            phiPsi=dihedrals(positions, self._phiPsiParticles).reshape(-1, 2),
-            torsionAngles=dihedrals(positions, self._torsionParticles),
-            radiusOfGyration=self.radiusOfGyration(positions),
-            counts=np.array(self.statistics()),
-            energy=None if self.energies is None else self.energies.held(),
+    def shownAngles(self, positions):
+        """Return the ShownAngles of positions."""
+        return ShownAngles(
+            dihedrals(positions, self._phiPsiParticles).reshape(-1, 2), dihedrals(positions, self._torsionParticles)
         )
-        self.frames.append(frame)
 
 
 def _phiPsiParticles(torsions):

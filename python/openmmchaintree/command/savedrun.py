@@ -9,13 +9,14 @@ from ..replicas.checkpointfile import readCheckpoint
 from ..replicas.coordinator import RunState
 from ..replicas.schedule import Schedule
 from .outputs.outputfiles import checkOutputs
-from .outputs.trajectoryfile import trialsOfAStep
 
 # The kinds of outputs that are written at the end.
 REPORTS = ("picture", "notes", "json")
 
 # Settings that a resumed run may change.
-FREE_SETTINGS = ("workers", "checkpoint-interval", "json", "notes")
+FREE_SETTINGS = ("workers", "time", "checkpoint-interval", "json", "notes")
+
+_VERSION_WITHOUT_HISTORY = 2
 
 _LARGEST_COUNT = 10**15
 _LONGEST_TIME = 1e12  # s
@@ -41,8 +42,11 @@ class SavedRun:
             raise InputError(f"{self.path}: is no checkpoint of this command: {wrong} is missing or wrong in it")
 
     def checkState(self, plan, moves):
-        """Refuse a state that does not match a RunPlan with `moves` moves, or its replicas."""
+        """Refuse a state that does not match a RunPlan with `moves` moves and the former trials, or its replicas."""
         state = self.header["state"]
+        plan = plan._replace(schedule=self._schedule._replace(trialsPerRound=plan.schedule.trialsPerRound))
+        if self.header["version"] == _VERSION_WITHOUT_HISTORY:
+            state = {**state, "stages": [], "history": []}
         self._refuse(_findWrongState(state, plan, moves))
         if sorted(self.checkpoints) != list(range(len(plan.seeds) if state["round"] > 0 else 0)):
             self._refuse("the checkpoint of a replica")
@@ -85,15 +89,11 @@ class SavedRun:
         Raises
         ------
         InputError
-            if it is less than the trials of the run, or not a multiple of the interval
+            if it is not a multiple of the interval
         """
-        former, interval = self.settings["trials"], self._schedule.interval
-        if trials == former:
+        interval = self._schedule.interval
+        if trials == self.settings["trials"]:
             return self.settings["frames"]
-        if trials < former:
-            raise InputError(
-                f"--resume {self.path}: a run of {former:,} trials can be continued to more, not to {trials:,}"
-            )
         if trials % interval != 0:
             raise InputError(f"--resume {self.path}: --trials has to be a multiple of the {interval:,} between frames")
         return trials // interval
@@ -107,13 +107,16 @@ class SavedRun:
     def checkSchedule(self, schedule, round):
         """Refuse a Schedule that differs from the run's before a round."""
         former = self._schedule._replace(trialsPerRound=schedule.trialsPerRound)
+        made = former.trialsBefore(round)
+        if schedule.trials < made:
+            raise InputError(
+                f"--resume {self.path}: the run has made {made:,} trials, and cannot end after {schedule.trials:,}"
+            )
         begins = [each.trialsBefore(round) for each in (former, schedule)]
         frames = [each.trialsOfFrame(each.framesBefore(round)) for each in (former, schedule)]
-        steps = [trialsOfAStep(each.interval, 1 + each.frames) for each in (former, schedule)]
         reasons = {
             f"its last round ended after fewer than {schedule.trialsPerRound:,} of them": begins[0] != begins[1],
             f"its last frame came after fewer than {former.interval:,} of them": frames[0] != frames[1],
-            "its trajectories cannot count them": steps[0] != steps[1],
         }
         for reason, isSo in reasons.items():
             if isSo:
@@ -206,6 +209,8 @@ def _findWrongState(state, plan, moves):
         "counts": _table(temperatures, moves, 4),
         "countsOfReplica": _table(replicas, moves, 4),
         "outerTests": _table(temperatures, 3),
+        "stages": _all(_table(2)),
+        "history": _all(_isPoint(moves)),
     }
     assert checks.keys() == RunState(plan, moves).asPlain().keys()
     wrong = _firstWrong(state, checks, "state.")
@@ -214,6 +219,11 @@ def _findWrongState(state, plan, moves):
     if wrong is None and state["round"] > 0 and state["wallSeconds"] == 0:
         return "state.wallSeconds"
     return wrong
+
+
+def _isPoint(moves):
+    """Return a check for an entry of the history."""
+    return lambda value: _all(lambda _: True, 2)(value) and _count(value[0]) and _table(moves, 2)(value[1])
 
 
 def _table(*shape):

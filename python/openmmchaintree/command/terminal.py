@@ -8,7 +8,8 @@ import threading
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.table import Column
 
 # Exit statuses other than 0.
 BEYOND_LIMIT = 1  # a sampling run ended with pairs beyond their limit
@@ -169,15 +170,19 @@ def collectionPaused():
 
 
 @contextmanager
-def progress(total):
+def progress(total, hasText=False):
     """Show a progress bar on a terminal, nothing in a pipe; yields a function to call with the amount done.
 
-    The total may be None if it is unknown.
+    The function's second argument is a text to show instead of the time left. The total may be None if it is unknown.
     """
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda done: None
+        yield lambda done, text="": None
         return
-    with Progress(BarColumn(), MofNCompleteColumn(), TimeRemainingColumn(), console=console, transient=True) as bar:
+    columns = BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    if hasText:  # which is cut on a narrow terminal, and not the numbers
+        rest = Column(no_wrap=True, overflow="ellipsis", ratio=1)
+        columns = BarColumn(12), MofNCompleteColumn(), TextColumn("{task.description}", table_column=rest)
+    with Progress(*columns, console=console, transient=True, expand=hasText) as bar:
         task = bar.add_task("", total=total)
-        yield lambda done: bar.update(task, completed=done)
+        yield lambda done, text="": bar.update(task, completed=done, description=text)

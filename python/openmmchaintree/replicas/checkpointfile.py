@@ -11,7 +11,8 @@ from pathlib import Path
 from ..errors import InputError
 from ..structures.limits import checkMemory
 
-_VERSION = 2
+# Version 2 has no history and no stages.
+_VERSION, _OLDEST_VERSION = 3, 2
 
 # Exceptions of reading wrong bytes.
 _DAMAGES = (
@@ -79,7 +80,7 @@ def readCheckpoint(path):
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             _checkSizes(path, file, archive)
             header = json.loads(archive.read(_HEADER))
-            if header["version"] != _VERSION:
+            if not _OLDEST_VERSION <= header["version"] <= _VERSION:
                 raise InputError(f"{path}: is of another version of openmm-chaintree")
             checkpoints = {str(_replica(name)): archive.read(name) for name in header["digests"]}
         for name, checkpoint in checkpoints.items():

@@ -178,6 +178,9 @@ class ClusterReplicas:
         self.count = cluster.countThreads()
         self._workers = {}  # the worker of each replica's last segment
 
+    def callAfterSteps(self, noteTrials):
+        """Do nothing: workers report whole Segments."""
+
     def slots(self):
         """Return the number of Segments to submit at a time, which depends on the current workers."""
         return max(1, self._SEGMENTS_PER_THREAD * self._cluster.countThreads())

@@ -10,6 +10,9 @@ from .ladder import Exchanges
 from .schedule import Schedule
 from .segment import Segment
 
+# Twice the points of a curve.
+_LONGEST_HISTORY = 80
+
 
 class RunPlan(NamedTuple):
     """The definition of a run, apart from the Model.
@@ -53,6 +56,11 @@ class RunState:
     countsOfReplica : (replicas, moves, 4) int array
     outerTests : (temperatures, 3) int array
         outer tests attempted and accepted, and trials undone
+    stages : list
+        for each stage: trials that it has decided, and refused
+    history : list
+        for some frames at equal distances: the frame, and a list of [attempted, accepted] of each move before it, over
+        all replicas
     seconds, secondsInSteps, wallSeconds : float
         total time of segments; their time in integrators; elapsed time, set by the caller
     """
@@ -72,6 +80,8 @@ class RunState:
         self.counts = np.zeros((temperatures, moves, 4), dtype=np.int64)
         self.countsOfReplica = np.zeros((replicas, moves, 4), dtype=np.int64)
         self.outerTests = np.zeros((temperatures, 3), dtype=np.int64)
+        self.stages = []
+        self.history = []
         self.seconds = 0.0
         self.secondsInSteps = 0.0
         self.wallSeconds = 0.0
@@ -89,6 +99,14 @@ class RunState:
                 self, name, np.array(value, dtype=np.int64).reshape(getattr(self, name).shape) if isArray else value
             )
         self.checkpoints = list(checkpoints)
+
+    def noteCounts(self, frame, counts):
+        """Add the counts before a frame, of shape (moves, 4), to the history, and thin it if it becomes long."""
+        distance = self.history[0][0] if self.history else 1
+        if frame % distance == 0:
+            self.history.append([frame, counts[:, [0, 3]].tolist()])
+        if len(self.history) > _LONGEST_HISTORY:
+            self.history = self.history[1::2]
 
 
 class Coordinator:
@@ -120,7 +138,7 @@ class Coordinator:
         self.trials = plan.schedule.trialsBefore(state.round) * len(plan.seeds)
         self._exchanges = Exchanges(plan.temperatures, plan.exchangeSeed) if plan.isExchange else None
 
-    def run(self, submit, slots, shouldHold):
+    def run(self, submit, slots, shouldHold, until=None):
         """Run all remaining rounds; once shouldHold() returns true, begin no further round.
 
         Parameters
@@ -131,9 +149,11 @@ class Coordinator:
             the number of segments submitted at a time
         shouldHold : function
             called after each segment
+        until : int, optional
+            the round before which to return
         """
         state = self._state
-        hold = self._plan.schedule.rounds
+        hold = min(self._plan.schedule.rounds, self._plan.schedule.rounds if until is None else until)
         ready = [
             (state.round, replica) for replica in range(len(self._plan.seeds))
         ]  # a heap: replicas in earlier rounds come first
@@ -172,7 +192,8 @@ class Coordinator:
         """Store the result of a replica, and pass on its frames."""
         temperature = self._temperatureOf[result.replica]
         self._checkpoints[result.replica] = result.checkpoint
-        self._results.setdefault(result.round, {})[result.replica] = result._replace(frames=()), temperature
+        kept = result._replace(frames=[frame.counts for frame in result.frames])
+        self._results.setdefault(result.round, {})[result.replica] = kept, temperature
         schedule = self._plan.schedule
         self.trials += schedule.trialsBefore(result.round + 1) - schedule.trialsBefore(result.round)
         first = schedule.framesBefore(result.round) + 1
@@ -207,13 +228,18 @@ class Coordinator:
     def _count(self, round):
         """Add a round that all replicas have completed to the RunState."""
         state = self._state
-        for replica, (result, temperature) in self._results.pop(round).items():
+        results = self._results.pop(round)
+        for replica, (result, temperature) in results.items():
             state.checkpoints[replica] = result.checkpoint
             state.counts[temperature] += result.counts
             state.countsOfReplica[replica] += result.counts
             state.outerTests[temperature] += result.outerTests
+            state.stages = (result.stages + (state.stages or 0)).tolist()
             state.seconds += result.seconds
             state.secondsInSteps += result.secondsInSteps
+        countsOfFrames = zip(*(result.frames for result, _ in results.values()), strict=True)
+        for frame, counts in enumerate(countsOfFrames, self._plan.schedule.framesBefore(round) + 1):
+            state.noteCounts(frame, sum(counts))
         for lower, isAccepted in self._decided.pop(round, ()):
             state.attempted[lower] += 1
             state.accepted[lower] += isAccepted

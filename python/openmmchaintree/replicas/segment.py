@@ -84,10 +84,16 @@ class Segment(NamedTuple):
 
 
 class KeptFrame(NamedTuple):
-    """Positions, a float64 array of shape (n, 3) in nm, and U in kJ/mol, None for hard spheres alone."""
+    """A recorded conformation.
+
+    positions : (n, 3) float64 array, nm
+    energy : float, U in kJ/mol; None for hard spheres alone
+    counts : (moves, 4) int array, outcomes of the replica's trials of each move since its start, as in MoveStatistics
+    """
 
     positions: np.ndarray
     energy: float | None
+    counts: np.ndarray
 
 
 class SegmentResult(NamedTuple):
@@ -99,6 +105,7 @@ class SegmentResult(NamedTuple):
     frames : list of KeptFrame
     counts : (moves, 4) int array, outcomes of this segment's trials of each move, as in MoveStatistics
     outerTests : (3,) int array: this segment's outer tests attempted and accepted, and trials undone
+    stages : (stages, 2) int array: this segment's trials that each stage has decided, and refused
     seconds : float, time of the segment; secondsInSteps : float, the integrator's part of it
     """
 
@@ -109,6 +116,7 @@ class SegmentResult(NamedTuple):
     frames: list[KeptFrame]
     counts: np.ndarray
     outerTests: np.ndarray
+    stages: np.ndarray
     seconds: float
     secondsInSteps: float
 
@@ -123,6 +131,8 @@ class Workplace:
     Equal Segments give equal results anywhere, apart from times. A Workplace keeps the Context of each replica that it
     has run: a replica that has not run elsewhere since continues without loading its checkpoint. Loading would make the
     integrator compute all energies again, which takes as long as thousands of trials.
+
+    noteTrials : function, called with the number of trials after each step
     """
 
     def __init__(self, model, most=None):
@@ -132,6 +142,7 @@ class Workplace:
         self._replicas = {}  # in the order of their last use
         self._lock = Lock()
         self._isStopped = Event()
+        self.noteTrials = lambda trials: None
 
     def stop(self):
         """Make running and later Segments raise Stopped after their next step."""
@@ -143,7 +154,7 @@ class Workplace:
             replica = self._replicas.pop(segment.replica, None)
         if replica is None or segment.checkpoint is None:
             replica = _Replica(self.model, segment.seed, self._isStopped)
-        result = replica.run(segment)
+        result = replica.run(segment, self.noteTrials)
         with self._lock:
             self._replicas[segment.replica] = replica
             while self._most is not None and len(self._replicas) > self._most:
@@ -178,14 +189,14 @@ class _Replica:
         self._context.setPositions(model.positions)
         self._checkpoint = None  # the current state
 
-    def run(self, segment):
+    def run(self, segment, noteTrials):
         """Run a Segment of this replica."""
         begun = perf_counter()
         if segment.checkpoint != self._checkpoint:
             self._context.loadCheckpoint(segment.checkpoint)
         self._checkpoint = b""  # unknown until the end
         self._integrator.setTemperature(segment.temperature * unit.kelvin)
-        counts, outerTests = self._counts(), self._outerTests()
+        counts, outerTests, stages = self._counts(), self._outerTests(), self._stages()
         frames, secondsInSteps = [], 0.0
         for stop in segment.stops:
             start = perf_counter()
@@ -194,9 +205,10 @@ class _Replica:
                     raise Stopped
                 self._integrator.setTrialsPerStep(trials)
                 self._integrator.step(1)
+                noteTrials(trials)
             secondsInSteps += perf_counter() - start
             if stop.keepsFrame:
-                frames.append(KeptFrame(self._positions(), self._energy()))
+                frames.append(KeptFrame(self._positions(), self._energy(), self._counts()))
         energy = self._energy()  # before the checkpoint, after which all energies are computed again
         self._checkpoint = self._context.createCheckpoint()
         return SegmentResult(
@@ -207,6 +219,7 @@ class _Replica:
             frames,
             self._counts() - counts,
             self._outerTests() - outerTests,
+            self._stages() - stages,
             perf_counter() - begun,
             secondsInSteps,
         )
@@ -217,6 +230,10 @@ class _Replica:
     def _outerTests(self):
         statistics = self._integrator.getOuterStatistics()
         return np.array([statistics.attempted, statistics.accepted, statistics.trialsTakenBack])
+
+    def _stages(self):
+        found = [(stage.computed, stage.refused) for stage in self._integrator.getStageStatistics()]
+        return np.array(found, dtype=np.int64).reshape(-1, 2)
 
     def _positions(self):
         return self._context.getState(positions=True).getPositions(asNumpy=True).value_in_unit(unit.nanometer)

@@ -17,6 +17,10 @@ class ThreadReplicas:
         self.count = threads
         self._pool = ThreadPoolExecutor(threads)
 
+    def callAfterSteps(self, noteTrials):
+        """Call a function with the number of trials after each step, in the step's thread."""
+        self._workplace.noteTrials = noteTrials
+
     def slots(self):
         """Return the number of Segments to submit at a time."""
         return _SEGMENTS_PER_THREAD * self.count

@@ -1,4 +1,4 @@
-"""The files that grow during a run of replicas: trajectories, and an index of their frames."""
+"""The files that grow during a run: trajectories, and an index of their frames."""
 
 import csv
 import io
@@ -145,7 +145,7 @@ class ReplicaFiles:
                 )
             self.index = IndexFile(outputs["index"], indexMark, frames * len(plan.seeds))
             if isNew:
-                energy = start.frames[0].energy
+                energy = start.startEnergy
                 self.index.write([self._row(0, *place, positions, energy) for place in self._startPlaces()])
         except BaseException:
             self.close()

@@ -1,17 +1,21 @@
 """Writes a trajectory (DCD) that is valid after every frame, however the run ends."""
 
 import io
+import os
 import struct
 
 import numpy as np
 import openmm.app
 from openmm import unit
 
+from ...notes import countOf
 from .growingfile import GrowingFile
 from .output import OutputError
 
-# Positions in the DCD header of fields that each frame changes: the number of frames, the step of the last one.
+# Positions in the DCD header of fields of four bytes. Each frame changes the number of frames and the step of the last
+# one; more trials can change the number of steps between frames, and the time of a step.
 _FRAME_COUNT, _LAST_STEP = 8, 20
+_STEPS_PER_FRAME, _TIME_OF_A_STEP = 16, 44
 
 # The title line with the date.
 _TITLE, _TITLE_LENGTH = 180, 80
@@ -19,7 +23,7 @@ _TITLE, _TITLE_LENGTH = 180, 80
 _LARGEST_STEP = 2**31 - 1  # the format's limit
 
 
-def trialsOfAStep(interval, expectedFrames):
+def _trialsOfAStep(interval, expectedFrames):
     """Return the number of trials per step in a trajectory: 1, or more if the format cannot hold that many steps."""
     return 1 if interval * expectedFrames <= _LARGEST_STEP else interval
 
@@ -52,7 +56,7 @@ class TrajectoryFile(GrowingFile):
         self.frames = framesThere
         self._expectedFrames = expectedFrames
         self.interval = interval
-        self._step = trialsOfAStep(interval, expectedFrames)
+        self._step = _trialsOfAStep(interval, expectedFrames)
         self._cell = _unitCell(topology)
         self._frameSize = len(self._cell) + 3 * (4 * len(positions) + 8)
         header = io.BytesIO()
@@ -64,6 +68,8 @@ class TrajectoryFile(GrowingFile):
             self.begin(output)
         try:
             if framesThere > 0:
+                for place in (_STEPS_PER_FRAME, _TIME_OF_A_STEP):
+                    self.replace(place, header[place : place + 4])
                 self._setCounts(framesThere)
             else:
                 self.append(header)
@@ -101,7 +107,7 @@ class TrajectoryFile(GrowingFile):
     def describe(self):
         """Describe how much of the trajectory is written."""
         name, held, expected = self._output.name, self.frames, self._expectedFrames
-        return f"{name} is partial: it holds the first {held:,} of {expected:,} frames"
+        return f"{name} is partial: it holds the first {held:,} of {countOf(expected, 'frame')}"
 
     def close(self):
         """Close the file without an incomplete frame; remove a file without frames."""
@@ -119,6 +125,15 @@ class TrajectoryFile(GrowingFile):
         self.replace(_LAST_STEP, struct.pack("<i", (frames - 1) * (self.interval // self._step)))
 
 
+def readPositions(path, topology, frames):
+    """Yield the positions of the frames of a closed TrajectoryFile, float arrays of shape (n, 3) in nm."""
+    axis = [("before", "<i4"), ("values", "<f4", topology.getNumAtoms()), ("after", "<i4")]
+    frame = np.dtype([("cell", f"V{len(_unitCell(topology))}"), ("axes", axis, 3)])
+    begin = os.path.getsize(path) - frames * frame.itemsize
+    for found in np.memmap(path, frame, mode="r", offset=begin, shape=frames):
+        yield 0.1 * found["axes"]["values"].T.astype(float)
+
+
 def _unitCell(topology):
     """Return the record of the periodic box of a Topology in a frame; nothing without a box."""
     vectors = topology.getPeriodicBoxVectors()
@@ -130,8 +145,9 @@ def _unitCell(topology):
 
 
 def _withoutCounts(header):
-    """Return the header of a DCD file without the fields that each frame changes and without its date."""
+    """Return the header of a DCD file without the fields that frames and trials change, and without its date."""
     kept = bytearray(header)
-    for begin, length in ((_FRAME_COUNT, 4), (_LAST_STEP, 4), (_TITLE, _TITLE_LENGTH)):
+    fields = [(place, 4) for place in (_FRAME_COUNT, _LAST_STEP, _STEPS_PER_FRAME, _TIME_OF_A_STEP)]
+    for begin, length in (*fields, (_TITLE, _TITLE_LENGTH)):
         kept[begin : begin + length] = bytes(length)
     return kept

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from ...notes import countOf
 from .figures import groupThousands, makeFigure, setTitle, writeFigure
 
 _BINS = 40
@@ -23,7 +24,8 @@ def savePicture(output, summary, table):
     isExchange = bool(summary["exchanges"])
     hasEnergy = not np.isnan(table["potentialEnergy"][0])
     figure = makeFigure(10, 8 if isExchange else 4)
-    setTitle(figure, summary["structure"], f", {summary['replicas']} replicas, {summary['trials']:,} trials of each")
+    replicas = countOf(summary["replicas"], "replica")
+    setTitle(figure, summary["structure"], f", {replicas}, {countOf(summary['trials'], 'trial')} of each")
     grid = figure.add_gridspec(2 if isExchange else 1, 2)
     if hasEnergy:
         _drawHistograms(figure.add_subplot(grid[0, 0]), table, isExchange)
@@ -95,7 +97,7 @@ def _drawWays(axis, table, summary):
         numbers = np.searchsorted(temperatures, table["temperature"][rows])
         axis.step(table["trials"][rows], numbers, where="mid", color=color, linewidth=0.9, label=f"replica {replica}")
     trips = sum(summary["roundTrips"])
-    axis.set(title=f"Ways of {len(shown)} replicas; {trips} round trips of all", xlabel="trials", ylabel="K")
+    axis.set(title=f"Ways of {len(shown)} replicas; {countOf(trips, 'round trip')} of all", xlabel="trials", ylabel="K")
     places = np.unique(np.linspace(0, len(temperatures) - 1, min(len(temperatures), 7)).astype(int))
     axis.set_yticks(places, [f"{temperatures[place]:.0f}" for place in places])
     groupThousands(axis)

@@ -23,57 +23,61 @@ _LETTERS = {
 }  # fmt: skip
 
 
-def savePicture(output, name, frames, torsionKinds, moveNames):
+def savePicture(output, summary, table, angles, torsionKinds, history):
     """Write the picture of at least two frames, including the start, to an Output.
 
     Parameters
     ----------
     output : Output
-    name : str
-        the name of the structure
-    frames : list of Frame
+    summary : dict
+        from `summarize`
+    table : dict of arrays
+        from `readIndex`
+    angles : list of ShownAngles
+        of each frame
     torsionKinds : list of str
-        the kind of each rotating torsion, in the order of `Frame.torsionAngles`, used if no residue has both φ and ψ
-    moveNames : list of str
+        the kind of each rotating torsion, in the order of `ShownAngles.torsions`, used if no residue has both φ and ψ
+    history : list
+        of the RunState
     """
-    hasEnergy = frames[0].energy is not None
+    hasEnergy = summary["energy"] is not None
     rows = 1 + bool(torsionKinds) + hasEnergy
     figure = makeFigure(10, 4 * rows)
-    setTitle(figure, name, f", {frames[-1].trials:,} trials")
+    setTitle(figure, summary["structure"], f", {countOf(summary['trials'], 'trial')}")
     grid = figure.add_gridspec(rows, 2)
     row = 0
     if torsionKinds:
-        drawTorsions = _drawRamachandran if len(frames[0].phiPsi) else _drawKinds
-        drawTorsions([figure.add_subplot(grid[0, column]) for column in range(2)], frames, torsionKinds)
+        drawTorsions = _drawRamachandran if len(angles[0].phiPsi) else _drawKinds
+        drawTorsions([figure.add_subplot(grid[0, column]) for column in range(2)], angles, torsionKinds)
         row = 1
     if hasEnergy:
-        _drawEnergy(figure.add_subplot(grid[row, :]), frames)
-    _drawRadiusOfGyration(figure.add_subplot(grid[-1, 0]), frames)
-    _drawAcceptance(figure.add_subplot(grid[-1, 1]), frames, moveNames)
+        _drawEnergy(figure.add_subplot(grid[row, :]), table)
+    _drawRadiusOfGyration(figure.add_subplot(grid[-1, 0]), table)
+    _drawAcceptance(figure.add_subplot(grid[-1, 1]), table, summary["moves"], history)
     writeFigure(figure, output)
 
 
-def _drawRamachandran(axes, frames, torsionKinds):
-    phi, psi = np.degrees(frames[0].phiPsi).T
+def _drawRamachandran(axes, angles, torsionKinds):
+    phi, psi = np.degrees(angles[0].phiPsi).T
     axes[0].scatter(phi, psi, s=14, color=_COLOR, clip_on=False)
     _finishRamachandran(axes[0], f"Start: {countOf(len(phi), 'residue')}")
 
-    phi, psi = np.degrees(np.concatenate([frame.phiPsi for frame in frames[1:]])).T
+    phi, psi = np.degrees(np.concatenate([frame.phiPsi for frame in angles[1:]])).T
     _drawCounts(axes[1], phi, psi, _EDGES, "residues in 10° × 10°")
-    _finishRamachandran(axes[1], f"Sampled: {countOf(len(frames) - 1, 'frame')}")
+    _finishRamachandran(axes[1], f"Sampled: {countOf(len(angles) - 1, 'frame')}")
 
 
-def _drawKinds(axes, frames, torsionKinds):
+def _drawKinds(axes, angles, torsionKinds):
     """Draw the angles of all torsions, a column per kind."""
     kinds = [kind for kind in _LETTERS if kind in torsionKinds]
     columns = np.array([kinds.index(kind) for kind in torsionKinds])
-    axes[0].scatter(columns, np.degrees(frames[0].torsionAngles), s=14, color=_COLOR, clip_on=False)
+    axes[0].scatter(columns, np.degrees(angles[0].torsions), s=14, color=_COLOR, clip_on=False)
     _finishKinds(axes[0], f"Start: {countOf(len(columns), 'torsion')}", kinds)
 
-    angles = np.degrees(np.concatenate([frame.torsionAngles for frame in frames[1:]]))
+    turned = np.degrees(np.concatenate([frame.torsions for frame in angles[1:]]))
     edges = np.arange(len(kinds) + 1) - 0.5
-    _drawCounts(axes[1], np.tile(columns, len(frames) - 1), angles, edges, "torsions in 10°")
-    _finishKinds(axes[1], f"Sampled: {countOf(len(frames) - 1, 'frame')}", kinds)
+    _drawCounts(axes[1], np.tile(columns, len(angles) - 1), turned, edges, "torsions in 10°")
+    _finishKinds(axes[1], f"Sampled: {countOf(len(angles) - 1, 'frame')}", kinds)
 
 
 def _drawCounts(axis, x, angles, edges, label):
@@ -98,17 +102,16 @@ def _finishRamachandran(axis, title):
     axis.axvline(0, color="0.8", linewidth=0.8, zorder=0)
 
 
-def _drawRadiusOfGyration(axis, frames):
-    trials = [frame.trials for frame in frames]
-    axis.plot(trials, [frame.radiusOfGyration for frame in frames], color=_COLOR)
+def _drawRadiusOfGyration(axis, table):
+    trials = table["trials"]
+    axis.plot(trials, table["radiusOfGyration"], color=_COLOR)
     axis.set(title="Radius of gyration", xlabel="trials", ylabel="nm", xlim=(0, trials[-1]))
     groupThousands(axis)
 
 
-def _drawEnergy(axis, frames):
+def _drawEnergy(axis, table):
     """Draw U along the run, without the start if its clashes would dominate the scale."""
-    trials = np.array([frame.trials for frame in frames])
-    energies = np.array([frame.energy for frame in frames])
+    trials, energies = table["trials"], table["potentialEnergy"]
     axis.plot(trials, energies, color=_COLOR)
     title = "Potential energy"
     settled = energies[len(energies) // 4 :]
@@ -122,16 +125,22 @@ def _drawEnergy(axis, frames):
     groupThousands(axis)
 
 
-def _drawAcceptance(axis, frames, moveNames):
-    trials = np.array([frame.trials for frame in frames])
+def _drawAcceptance(axis, table, moves, history):
+    """Draw the acceptance of each move between frames of the history."""
+    final = [[move["attempted"], move["accepted"]] for move in moves]
+    kept = [[0, np.zeros_like(final).tolist()], *history]
+    if kept[-1][0] < table["frame"][-1]:
+        kept.append([table["frame"][-1], final])
+    trials = table["trials"][[frame for frame, _ in kept]]
+    counts = np.array([rows for _, rows in kept])
     # Merge frames if one has too few trials of the rarest move for a smooth line.
-    intervals = np.clip(frames[-1].counts[:, 0].min() // _FEWEST_TRIALS, _FEWEST_INTERVALS, _MOST_INTERVALS)
-    edges = np.unique(np.linspace(0, len(frames) - 1, min(len(frames), intervals + 1)).astype(int))
-    counts = np.diff(np.array([frames[edge].counts for edge in edges]), axis=0)
+    intervals = np.clip(counts[-1, :, 0].min() // _FEWEST_TRIALS, _FEWEST_INTERVALS, _MOST_INTERVALS)
+    edges = np.unique(np.linspace(0, len(kept) - 1, min(len(kept), intervals + 1)).astype(int))
+    counts = np.diff(counts[edges], axis=0)
     middles = (trials[edges[1:]] + trials[edges[:-1]]) / 2
     marker = "o" if len(middles) == 1 else None
-    for move, name in enumerate(moveNames):
-        attempted, accepted = counts[:, move, 0], counts[:, move, 3]
+    for move, name in enumerate(move["name"] for move in moves):
+        attempted, accepted = counts[:, move].T
         drawn = attempted > 0
         axis.plot(middles[drawn], 100 * accepted[drawn] / attempted[drawn], marker=marker, label=name)
     axis.set(title="Acceptance", xlabel="trials", ylabel="% of the move's trials", xlim=(0, trials[-1]), ylim=(0, 101))

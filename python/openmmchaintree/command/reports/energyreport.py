@@ -14,17 +14,19 @@ def describeEnergies(energies):
     return f"energy: {energies.model}; {'; '.join(parts)}"
 
 
-def summarizeEnergies(energies, frames, positions):
+def summarizeEnergies(energies, along, stages, positions):
     """Return a summary of the Energies of a run as plain dictionaries and lists.
 
     Parameters
     ----------
     energies : Energies
-    frames : list of Frame
-        the initial frame and the later ones
+        at the end
+    along : list of float
+        U of the initial frame and the later ones, kJ/mol
+    stages : list
+        of the RunState
     positions : (n, 3) float64 array, nm, the last ones
     """
-    along = [frame.energy for frame in frames]
     held = energies.held()
     outer = energies.outerTests()
     total, parts = energies.byOpenMM(positions)
@@ -40,7 +42,7 @@ def summarizeEnergies(energies, frames, positions):
         },
         "potentialEnergies": along,
         "forces": parts,
-        "stages": [stage._asdict() for stage in energies.stages()],
+        "stages": energies.describeStages(stages),
         "outerTests": None if outer is None else outer._asdict(),
     }
 
@@ -65,7 +67,7 @@ def printEnergies(summary, console):
         console.print(
             f"outer tests: {outer['accepted']:,} of {outer['attempted']:,} kept their trials ({share:.0f} %), by "
             f"differences of {outer['meanDifference']:.1f} ± {outer['standardDeviation']:.1f} kJ/mol; "
-            f"{outer['trialsTakenBack']:,} trials were taken back, and are in no other count"
+            f"trials taken back, which are in no other count: {outer['trialsTakenBack']:,}"
         )
 
 

@@ -3,13 +3,20 @@
 import numpy as np
 
 from ...notes import countOf
-from ...openmmchaintree import MoveStatistics
 from ..energymodel import HARD
-from .samplereport import describeBondChange, describeMove, describeScene, describeVerdict, printMoves, printScene
+from .samplereport import (
+    describeBondChange,
+    describeMoves,
+    describeScene,
+    describeVerdict,
+    printEnding,
+    printMoves,
+    printScene,
+)
 from .tables import makeTable, percent
 
 
-def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupted, addedHydrogens):
+def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupted, endedBy, addedHydrogens):
     """Return all results of a run of replicas as plain dictionaries and lists, for JSON.
 
     Lengths are in nm, times in s, energies in kJ/mol, temperatures in K. The Sampling's Context loads the last state of
@@ -31,6 +38,7 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
         **describeScene(sampling, addedHydrogens),
         "seed": seed,
         "interrupted": interrupted,
+        "endedBy": endedBy,
         "replicas": len(plan.seeds),
         "workers": workers,
         "trials": trials,
@@ -42,7 +50,7 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
         "microsecondsPerTrial": 1e6 * state.secondsInSteps / allTrials if allTrials else None,
         "trialsPerSecond": allTrials / state.wallSeconds if allTrials else None,
         "busy": state.seconds / (workers * state.wallSeconds) if allTrials else None,
-        "moves": _describeMoves(sampling, counts),
+        "moves": describeMoves(sampling, counts),
         "temperatures": [_describeTemperature(sampling, plan, state, index, k) for k in range(len(plan.temperatures))],
         "exchanges": [
             {
@@ -59,10 +67,6 @@ def summarizeReplicas(sampling, plan, state, index, *, seed, workers, interrupte
     }
 
 
-def _describeMoves(sampling, counts):
-    return [describeMove(move, MoveStatistics(*row)) for move, row in zip(sampling.moves, counts.tolist(), strict=True)]
-
-
 def _describeTemperature(sampling, plan, state, index, number):
     temperature = plan.temperatures[number]
     attempted, accepted, takenBack = state.outerTests[number].tolist()
@@ -72,7 +76,7 @@ def _describeTemperature(sampling, plan, state, index, number):
     description = {
         "temperature": temperature if sampling.energies is not None else None,
         "frames": int(rows.sum()),
-        "moves": _describeMoves(sampling, state.counts[number]),
+        "moves": describeMoves(sampling, state.counts[number]),
         "outerTests": {"attempted": attempted, "accepted": accepted, "trialsTakenBack": takenBack},
         "radiusOfGyration": _describeValues(index["radiusOfGyration"][rows]),
     }
@@ -115,13 +119,13 @@ def printReplicaReport(summary, console, isVerbose):
     printMoves(summary["moves"], console)
     if summary["trials"]:
         console.print(
-            f"{summary['replicas']} replicas, {summary['trials']:,} trials of each, by {summary['workers']} workers in "
+            f"{countOf(summary['replicas'], 'replica')}, {countOf(summary['trials'], 'trial')} of each, by "
+            f"{countOf(summary['workers'], 'worker')} in "
             f"{summary['wallSeconds']:.1f} s: {summary['microsecondsPerTrial']:.2f} µs a trial on one core, "
             f"{summary['trialsPerSecond']:,.0f} trials a second in all; workers were busy "
             f"{100 * summary['busy']:.0f} % of the time"
         )
-    if summary["interrupted"]:
-        console.print("interrupted: the files hold the frames before the interrupt, and --resume continues")
+    printEnding(summary, console)
     if any("potentialEnergy" in temperature for temperature in summary["temperatures"]):
         console.print(_temperatureTable(summary))
     if summary["roundTrips"] is not None:

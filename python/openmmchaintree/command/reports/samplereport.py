@@ -3,9 +3,11 @@
 from collections import Counter
 
 from ...naming import nameAtom
+from ...notes import countOf
+from ...openmmchaintree import MoveStatistics
 from ...torsions import KINDS
 from ..energymodel import HARD
-from .energyreport import printEnergies
+from .energyreport import printEnergies, summarizeEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
 from .tables import makeTable, percent
@@ -17,31 +19,44 @@ _FATES = {"notMade": "not made", "clashed": "clashed", "rejectedByEnergy": "reje
 _LONGEST_LIST = 10
 
 
-def summarize(sampling, seed, files, interrupted, addedHydrogens, forbidden):
-    """Return all results of a run as plain dictionaries and lists, for JSON.
+def summarize(sampling, plan, state, index, *, seed, interrupted, endedBy, addedHydrogens):
+    """Return all results of a single run as plain dictionaries and lists, for JSON.
 
-    Lengths are in nm, times in s, energies in kJ/mol. forbidden : the result of `measureForbidden`
+    Lengths are in nm, times in s, energies in kJ/mol. The Sampling's Context has the last state.
+
+    Parameters
+    ----------
+    sampling : Sampling
+    plan : RunPlan
+        of one replica
+    state : RunState
+        at the end
+    index : dict of arrays
+        from `readIndex`
     """
+    trials, seconds = plan.schedule.trialsBefore(state.round), state.secondsInSteps
+    energy = None
+    if sampling.energies is not None:
+        along = index["potentialEnergy"].tolist()
+        energy = summarizeEnergies(sampling.energies, along, state.stages, sampling.positions())
     return {
         **describeScene(sampling, addedHydrogens),
         "seed": seed,
         "interrupted": interrupted,
-        "trials": sampling.trials,
-        "frames": len(sampling.frames),
-        "secondsInSteps": sampling.seconds,
-        "microsecondsPerTrial": 1e6 * sampling.seconds / sampling.trials if sampling.trials else None,
-        "trialsPerSecond": sampling.trials / sampling.seconds if sampling.trials else None,
-        "moves": [
-            describeMove(move, statistics)
-            for move, statistics in zip(sampling.moves, sampling.statistics(), strict=True)
-        ],
-        "energy": sampling.summarizeEnergies(),
-        "radiusOfGyration": [frame.radiusOfGyration for frame in sampling.frames],
+        "endedBy": endedBy,
+        "trials": trials,
+        "frames": len(index["frame"]),
+        "trialsPerRound": plan.schedule.trialsPerRound,
+        "secondsInSteps": seconds,
+        "wallSeconds": state.wallSeconds,
+        "microsecondsPerTrial": 1e6 * seconds / trials if trials else None,
+        "trialsPerSecond": trials / seconds if trials else None,
+        "moves": describeMoves(sampling, state.counts[0]),
+        "energy": energy,
+        "radiusOfGyration": index["radiusOfGyration"].tolist(),
         "stericMode": sampling.stericMode,
-        "forbiddenBySpheres": forbidden,
         "clashesAtStart": len(sampling.startOverlaps.pairs),
         **describeVerdict(sampling),
-        "files": files,
     }
 
 
@@ -91,11 +106,17 @@ def _describeOverlaps(sampling, names):
     }
 
 
-def describeMove(move, statistics):
-    """Return a NamedMove and its MoveStatistics as a dictionary, with the number of impossible trials."""
-    attempted, *decided = statistics
-    counts = {"attempted": attempted, "notMade": attempted - sum(decided), **statistics._asdict()}
-    return {"name": move.name, "weight": move.weight, **counts}
+def describeMoves(sampling, counts):
+    """Return a dictionary for each move of a Sampling, from outcomes as in MoveStatistics: (moves, 4).
+
+    It also has the number of trials that were impossible.
+    """
+    return [_describeMove(move, *row) for move, row in zip(sampling.moves, counts.tolist(), strict=True)]
+
+
+def _describeMove(move, attempted, *decided):
+    counts = MoveStatistics(attempted, *decided)._asdict()
+    return {"name": move.name, "weight": move.weight, "notMade": attempted - sum(decided), **counts}
 
 
 def _describePairs(overlaps, names, limits=None):
@@ -117,8 +138,7 @@ def printReport(summary, console, isVerbose):
     """Print a summary on a rich Console; all notes if verbose."""
     printScene(summary, console, isVerbose)
     _printTrials(summary, console)
-    if summary["interrupted"]:
-        console.print("interrupted: the files hold the frames before the interrupt")
+    printEnding(summary, console)
     if summary["energy"] is not None:
         printEnergies(summary["energy"], console)
     _printVerdict(summary, console)
@@ -132,11 +152,21 @@ def printScene(summary, console, isVerbose):
     kinds = ", ".join(f"{count:,} {kind}" for kind, count in summary["torsions"].items())
     fixed = f", {summary['fixedAtoms']:,} of them fixed" if summary["fixedAtoms"] else ""
     added = f", {summary['addedHydrogens']:,} of them added hydrogens" if summary["addedHydrogens"] else ""
+    if summary["addedHydrogens"] == 1:
+        added = ", one of them an added hydrogen"
     console.print(
-        f"{summary['structure']}: {summary['atoms']:,} atoms{added}{fixed}; "
-        f"{sum(summary['torsions'].values()):,} torsions ({kinds}); seed {summary['seed']}"
+        f"{summary['structure']}: {countOf(summary['atoms'], 'atom')}{added}{fixed}; "
+        f"{countOf(sum(summary['torsions'].values()), 'torsion')} ({kinds}); seed {summary['seed']}"
     )
     printNotes(summary["notes"], console, isVerbose)
+
+
+def printEnding(summary, console):
+    """Print why a run ended before its last trial."""
+    if summary["interrupted"]:
+        console.print("interrupted: the files hold the frames before the interrupt, and --resume continues")
+    elif summary["endedBy"] is not None:
+        console.print(f"ended by {summary['endedBy']}; --resume continues")
 
 
 def printMoves(moves, console):
@@ -150,7 +180,7 @@ def _printTrials(summary, console):
     printMoves(summary["moves"], console)
     if summary["trials"]:
         console.print(
-            f"{summary['trials']:,} trials in {summary['secondsInSteps']:.3f} s: "
+            f"{countOf(summary['trials'], 'trial')} in {summary['secondsInSteps']:.3f} s: "
             f"{summary['microsecondsPerTrial']:.2f} µs a trial, {summary['trialsPerSecond']:,.0f} trials a second"
         )
 
@@ -179,8 +209,8 @@ def _printVerdict(summary, console):
         overlaps = f"{count}, {len(tolerated)} tolerated ({summary['clashesAtStart']} clashed at the start)"
     else:
         overlaps = (
-            f"{summary['clashesAtEnd']} overlap by more than hard spheres may ({summary['clashesAtStart']} at the "
-            "start), which trials ignore"
+            f"{_overlapping(summary['clashesAtEnd'])} by more than hard spheres may ({summary['clashesAtStart']} at "
+            "the start), which trials ignore"
         )
     console.print(f"last positions, all pairs compared: {overlaps}{describeBondChange(summary['largestBondChange'])}")
     if summary["forbiddenBySpheres"] is not None:
@@ -196,6 +226,10 @@ def _printVerdict(summary, console):
     if len(tolerated) <= _LONGEST_LIST:
         for pair in tolerated:
             _printPair("tolerated", pair, f"tolerance {pair['tolerance']:.9f} nm", console)
+
+
+def _overlapping(count):
+    return f"{count} overlap{'s' if count == 1 else ''}"
 
 
 def _printPair(word, pair, bound, console):
