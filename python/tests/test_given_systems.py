@@ -183,6 +183,38 @@ def test_heavyHydrogens(here, peptide, tmp_path):
     assert here("a.pdb", "--system", "h.xml", trials=20).returncode == 0
 
 
+def test_CMAP(here, peptide, tmp_path):
+    """Maps of φ and ψ."""
+    forceField = app.ForceField("amber19/protein.ff19SB.xml")
+    system = forceField.createSystem(peptide.topology, removeCMMotion=False)
+    assert any(isinstance(force, openmm.CMAPTorsionForce) for force in system.getForces())
+    (tmp_path / "cmap.xml").write_text(openmm.XmlSerializer.serialize(system))
+    first, last, byOpenMM, frames = energiesOf(here("a.pdb", "--system", "cmap.xml"), tmp_path)
+    assert first == pytest.approx(energyOf(system, peptide.positions), abs=1e-4)
+    assert last == pytest.approx(byOpenMM, abs=1e-3)
+    assert last == pytest.approx(energyOf(system, frames[-1]), abs=0.05) and last != first
+
+
+def test_minimize(here, peptide, tmp_path):
+    first, *_ = energiesOf(here("a.pdb", "--system", "a.xml", "--minimize", trials=20), tmp_path)
+    assert first < energyOf(peptide.system, peptide.positions) - 5
+
+
+def test_names(here, tmp_path):
+    """AMBER's names without suffixes, and names with spaces and other letters, also of folders."""
+    folder = tmp_path / "ein Ordner äß"
+    folder.mkdir()
+    for name, copy in {
+        "a.inpcrd": "inpcrd",
+        "a.prmtop": "prmtop",
+        "a.gro": "Größe 1.gro",
+        "a.top": "topol β.top",
+    }.items():
+        shutil.copy(tmp_path / name, folder / copy)
+    assert here(folder / "inpcrd", "--system", folder / "prmtop", trials=20).returncode == 0
+    assert here(folder / "Größe 1.gro", "--system", folder / "topol β.top", trials=20).returncode == 0
+
+
 def test_NBFIX(here, peptide, tmp_path):
     """Pairs with parameters of their own: OpenMM makes a CustomNonbondedForce of them."""
     bonded = peptide.terms.excluded
@@ -269,6 +301,8 @@ def test_files(here, peptide, tmp_path):
         ("a.pdb", "--system", "a.psf", "--parameters", "a.pdb"): "Unrecognized file type: a.pdb",
         ("a.gro", "--system", "include.top"): "types.itp",
         ("--system", "a.prmtop"): "a.prmtop: name the structure, too",
+        ("a.inpcrd",): "a.inpcrd: there are no atoms; names of atoms are in another file, such as a prmtop",
+        ("a.prmtop", "--system", "a.inpcrd"): "a.inpcrd: is no file of a System",
         ("a.inpcrd", "--system", "a.xml"): "a.inpcrd: has no names of atoms, which a.xml lacks, too",
     }.items():
         assertRefused(here(*arguments), tmp_path, before, words)
@@ -281,6 +315,7 @@ def test_options(here, tmp_path):
     for arguments, words in {
         ("--system", "a.xml", "--forcefield", "amber14-all.xml"): "--forcefield and --system cannot be used together",
         ("--system", "a.xml", "--add-hydrogens"): "--add-hydrogens cannot be used with --system",
+        ("--system", "a.xml", "--prepare"): "--prepare cannot be used with --system",
         ("--system", "a.xml", "--leave-out", "element H"): "--leave-out cannot be used with --system",
         ("--system", "a.xml", "--nonbonded-cutoff", 1): "--nonbonded-cutoff does not apply to a.xml",
         ("--system", "a.xml", "--implicit", "gbn2"): "--implicit does not apply to a.xml, a serialized System",

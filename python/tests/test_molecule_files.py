@@ -117,6 +117,14 @@ def test_sampleHardSpheres(tmp_path, molecule, runCommandHere, suffix):
         assert lengths == pytest.approx([np.linalg.norm(positions[i] - positions[j]) / 10 for i, j in bonds], abs=1e-4)
 
 
+def test_noTorsionOfAProtein(tmp_path, molecule, runCommandHere):
+    """The default kinds are of polymers: an option turns ligands."""
+    _, elements, bonds, positions = molecule
+    (tmp_path / "m.sdf").write_text(sdfOf(elements, bonds, positions))
+    result = runCommandHere("sample", "m.sdf")
+    assert result.returncode == 2 and "--torsions rotatable also turns bonds of other molecules" in result.stderr
+
+
 def test_damaged(tmp_path, molecule):
     """One sentence that names the file and the molecule; molecules before the damage are searched."""
     _, elements, bonds, positions = molecule

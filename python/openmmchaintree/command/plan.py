@@ -207,9 +207,10 @@ class Plan:
         if notes:
             return str(notes[0])
         reasons = listFirst(dict.fromkeys(torsion.reason for torsion in search.leftOut), "; ")
-        return f"there is no torsion of a protein or nucleic acid ({', '.join(self.choice.kinds)}) to sample" + (
-            f": {reasons}" if reasons else ""
-        )
+        ends = f": {reasons}" if reasons else ""
+        if self.choice.kinds == DEFAULT_KINDS:
+            ends += "; --torsions rotatable also turns bonds of other molecules"
+        return f"there is no torsion of a protein or nucleic acid ({', '.join(self.choice.kinds)}) to sample{ends}"
 
     def _describeCuts(self, areCut, bonds, name):
         if not areCut:

@@ -14,8 +14,8 @@ _NETCDF, _HDF5 = b"CDF", b"\x89HDF"
 
 
 def hasCoordinatesOnly(path):
-    """Whether a file is named as one of coordinates without a topology."""
-    return Path(path).suffix.lower() in _SUFFIXES
+    """Whether a file is named as one of coordinates without a topology, such as x.inpcrd, or inpcrd alone."""
+    return f".{Path(path).name.lower().rpartition('.')[2]}" in _SUFFIXES
 
 
 def readCoordinates(path):

@@ -15,6 +15,7 @@ import gemmi
 
 from ..errors import InputError, firstLine
 from ..extras import importExtra
+from .coordinatefile import hasCoordinatesOnly
 from .elements import NO_ELEMENT, findElements
 from .grofile import readGro
 from .limits import readAtMost
@@ -210,7 +211,10 @@ def _readPDB(path, data):
     The cells are None if all are that of the Structure.
     """
     if _ATOM.search(data) is None:
-        raise InputError(f"{path}: there are no atoms; is it a PDB or mmCIF file?")
+        what = "is it a PDB or mmCIF file?"
+        if hasCoordinatesOnly(path):
+            what = "names of atoms are in another file, such as a prmtop, which sample --system reads"
+        raise InputError(f"{path}: there are no atoms; {what}")
     text = data.decode("utf-8", errors="replace")
     if not text.isascii():
         text = text.encode("ascii", errors="replace").decode()  # columns are of one byte each
