@@ -259,6 +259,15 @@ def test_aResumedRunReadsTheSystemAgain(here, tmp_path):
     assert here("--config", "run-settings.toml", trials=40).returncode == 0
 
 
+def test_temperatures(here, tmp_path):
+    arguments = ("--temperatures", "300:400:2", "--trials-per-exchange", 20, "--workers", 1)
+    result = here("a.inpcrd", "--system", "a.prmtop", *arguments, trials=40)
+    assert result.returncode == 0, result.stderr
+    files = filesIn(tmp_path)
+    assert here("--resume", "run.checkpoint", trials=80).returncode == 0
+    assert filesIn(tmp_path) == files
+
+
 # ---- What is refused ----
 
 

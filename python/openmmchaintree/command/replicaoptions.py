@@ -78,7 +78,7 @@ def addReplicaOptions(parser):
         "--temperatures",
         metavar="LOW:HIGH:N",
         help="exchange N temperatures (K) in geometric progression among N replicas, or a list of temperatures "
-        "separated by commas; needs --forcefield",
+        "separated by commas; needs --forcefield or --system",
     )
     parser.add_argument(
         "--trials-per-exchange",
@@ -114,8 +114,9 @@ def readReplicaOptions(options):
             temperatures = readLadder(options.temperatures)
         except InputError as error:
             raise InputError(f"--temperatures {error}") from error
-        if options.forcefield is None:
-            raise InputError("--temperatures needs --forcefield: hard spheres alone have no energy to exchange by")
+        if options.forcefield is None and options.system is None:
+            needed = "--forcefield or --system"
+            raise InputError(f"--temperatures needs {needed}: hard spheres alone have no energy to exchange by")
         if options.temperature is not None:
             raise InputError("--temperature and --temperatures cannot be used together")
         if options.trials_per_round is not None:
