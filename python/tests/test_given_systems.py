@@ -125,6 +125,8 @@ def test_implicitSolvent(here, peptide, tmp_path, kind, name):
         system = psf.createSystem(parameters, implicitSolvent=getattr(app, official))
     assert first == pytest.approx(energyOf(system, peptide.positions), abs=1e-3)
     assert last == pytest.approx(byOpenMM, abs=1e-3)
+    notes = json.loads((tmp_path / "run.json").read_text())["notes"]
+    assert any("Non-optimal GB parameters" in str(note) for note in notes) == (kind == "amber")
     settings = (tmp_path / "run-settings.toml").read_text()
     assert f'implicit = "{official}"' in settings
 
@@ -132,7 +134,7 @@ def test_implicitSolvent(here, peptide, tmp_path, kind, name):
 @pytest.mark.parametrize(
     ("method", "option"), [("PME", ()), ("CutoffPeriodic", ("--nonbonded-method", "CutoffPeriodic"))]
 )
-@pytest.mark.parametrize("kind", ["amber", "gromacs"])
+@pytest.mark.parametrize("kind", ["amber", "gromacs", "charmm, other structure"])
 def test_boxOfTheFile(here, peptide, tmp_path, kind, method, option):
     arguments = (*KINDS[kind][0], "--periodic", "--nonbonded-cutoff", CUTOFF, *option)
     first, last, byOpenMM, _ = energiesOf(here(*arguments), tmp_path)
@@ -177,10 +179,12 @@ def test_constraints(here, peptide, tmp_path):
 
 
 def test_heavyHydrogens(here, peptide, tmp_path):
-    """Repartitioned masses are those of other elements, and yet no sign of another structure."""
-    system = peptide.create(hydrogenMass=4 * unit.dalton)
-    (tmp_path / "h.xml").write_text(openmm.XmlSerializer.serialize(system))
-    assert here("a.pdb", "--system", "h.xml", trials=20).returncode == 0
+    """Repartitioned masses, and those of united atoms, are no sign of another structure."""
+    united = openmm.XmlSerializer.clone(peptide.system)
+    united.setParticleMass(1, 15.035)
+    for system in (peptide.create(hydrogenMass=4 * unit.dalton), united):
+        (tmp_path / "h.xml").write_text(openmm.XmlSerializer.serialize(system))
+        assert here("a.pdb", "--system", "h.xml", trials=20).returncode == 0
 
 
 def test_CMAP(here, peptide, tmp_path):
@@ -327,6 +331,7 @@ def test_options(here, tmp_path):
         ("--system", "a.xml", "--prepare"): "--prepare cannot be used with --system",
         ("--system", "a.xml", "--leave-out", "element H"): "--leave-out cannot be used with --system",
         ("--system", "a.xml", "--nonbonded-cutoff", 1): "--nonbonded-cutoff does not apply to a.xml",
+        ("--system", "a.xml", "--periodic", "--nonbonded-method", "PME"): "--nonbonded-method does not apply to a.xml",
         ("--system", "a.xml", "--implicit", "gbn2"): "--implicit does not apply to a.xml, a serialized System",
         ("--system", "a.prmtop", "--parameters", "a.prm"): "--parameters does not apply to a.prmtop, an AMBER prmtop",
         ("--system", "a.prmtop", "--include", "."): "--include does not apply to a.prmtop",
@@ -348,6 +353,9 @@ def test_structuresThatDoNotFit(here, peptide, tmp_path):
     swapped[6], swapped[7] = swapped[7], swapped[6]  # N and H of alanine
     writePDB(tmp_path / "short.pdb", lines)
     writePDB(tmp_path / "swapped.pdb", swapped)
+    swapped = [*DIPEPTIDE]
+    swapped[6], swapped[8] = swapped[8], swapped[6]  # N and CA of alanine
+    writePDB(tmp_path / "heavy.pdb", swapped)
     foreignfiles.writeInpcrd(tmp_path / "short.inpcrd", peptide.positions[:-1])
     foreignfiles.writeInpcrd(tmp_path / "torn.inpcrd", peptide.positions * np.where(np.arange(22) < 9, 1, -3)[:, None])
     foreignfiles.writeInpcrd(tmp_path / "same.inpcrd", 0 * peptide.positions)
@@ -360,6 +368,7 @@ def test_structuresThatDoNotFit(here, peptide, tmp_path):
         ("short.inpcrd", "a.prmtop"): ["short.inpcrd: does not fit a.prmtop: it has 21 atoms, not 22"],
         ("swapped.pdb", "a.prmtop"): ["number 6 (from 0), H of A:ALA 2, there N of", "ALA 2"],
         ("swapped.pdb", "a.xml"): ["number 6 (from 0), H of A:ALA 2, there of 14.01 Da"],
+        ("heavy.pdb", "a.xml"): ["number 6 (from 0), CA of A:ALA 2, there of 14.01 Da"],
         ("torn.inpcrd", "a.prmtop"): ["atoms bonded in a.prmtop are far apart", "do the files belong together?"],
         ("same.inpcrd", "a.prmtop"): ["same.inpcrd: "],
         ("empty.inpcrd", "a.prmtop"): ["empty.inpcrd: is empty"],

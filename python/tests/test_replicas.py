@@ -202,7 +202,10 @@ def test_namesOfTemperatures():
         ),
         (["--replicas", 2, "--trials-per-exchange", 2], "--trials-per-exchange needs --temperatures"),
         (["--replicas", 2, "--trajectories", "temperature"], "--trajectories temperature needs --temperatures"),
-        (["--temperatures", "300:450:4"], "--temperatures needs --forcefield or --system: hard spheres alone have no energy"),
+        (
+            ["--temperatures", "300:450:4"],
+            "--temperatures needs --forcefield or --system: hard spheres alone have no energy",
+        ),
         (["--temperatures", "300:450", "--forcefield", PROTEIN], "--temperatures '300:450' is neither"),
         (
             ["--temperatures", "300:450:4", "--forcefield", PROTEIN, "--temperature", 300],

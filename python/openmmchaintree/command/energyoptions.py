@@ -174,9 +174,8 @@ def _readModel(options, addsHydrogens):
         }
         return EnergyModel(options.forcefield, periodicMethod=method, **done, **settings)
     if options.system is not None:
-        method = options.nonbonded_method or "PME"
         of = SystemOptions(options.parameters, options.include, options.implicit, options.periodic)
-        return GivenSystem(options.system, options=of, periodicMethod=method, **settings)
+        return GivenSystem(options.system, options=of, periodicMethod=options.nonbonded_method, **settings)
     return None
 
 

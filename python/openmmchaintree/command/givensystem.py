@@ -1,33 +1,29 @@
 """A System that the user brings, and the structure that belongs to it."""
 
+import warnings
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import openmm
-from openmm import app, unit
+from openmm import unit
 
 from ..beadnetwork import BeadNetwork
 from ..bondsearch import BondSearch
 from ..errors import InputError
 from ..images import boxOf, vectorsOf
-from ..naming import describeAtom
-from ..notes import listFirst
-from ..residues import isPolymer
+from ..notes import Note, listFirst
+from ..solute import subset
 from ..structures.coordinatefile import hasCoordinatesOnly, readCoordinates
 from ..structures.structure import Structure, checkPositions, readModels, spaceGroupOf
 from ..systemreading import bondsOf, bondsOfBareAtoms, drudeParticles, isPeriodic
+from .atomfit import compareAtoms
 from .energymodel import minimizeSystem, notesOnForces
 from .energysettings import EnergySettings
 from .misfits import firstSentence
 from .systemfiles import asVectors, checkFiles, kindOf
 
 _BAROSTAT = "Barostat"
-
-# Masses (Da) of an element differ by less among force fields. Hydrogens may get more mass, from their heavy atoms.
-_MASS_TOLERANCE = 0.3
-_HEAVIEST_HYDROGEN = 4.5
-_MOST_MOVED = 3 * (_HEAVIEST_HYDROGEN - 1)
 
 
 class SystemOptions(NamedTuple):
@@ -49,25 +45,27 @@ class GivenSystem(EnergySettings):
     Call `read` first.
     """
 
-    def __init__(self, path, temperature, cutoff=None, options=SystemOptions(), **settings):  # noqa: B008 (a tuple)
+    def __init__(self, path, temperature, options, cutoff=None, periodicMethod=None, **settings):
         """Find out what kind of file it is.
 
-        settings : as for EnergySettings
+        options : SystemOptions; periodicMethod : None for PME; settings : as for EnergySettings
 
         Raises
         ------
         InputError
             if it is of no known kind, or an option belongs to other files
         """
-        super().__init__([path, *(options.parameters or [])], temperature, cutoff, **settings)
+        method = periodicMethod or "PME"
+        super().__init__([path, *(options.parameters or [])], temperature, cutoff, periodicMethod=method, **settings)
         self._path = path
         self._options = options
         self._reader = kindOf(path)
         for name in ("parameters", "include", "implicit"):
             if getattr(options, name) is not None and name not in self._reader.options:
                 raise InputError(f"--{name} does not apply to {path}, {self._reader.kind} file")
-        if cutoff is not None and self._reader.isSerialized:
-            raise InputError(f"--nonbonded-cutoff does not apply to {path}: a serialized System has its own cutoff")
+        for option, value in (("cutoff", cutoff), ("method", periodicMethod)):
+            if value is not None and self._reader.isSerialized:
+                raise InputError(f"--nonbonded-{option} does not apply to {path}: a serialized System has its own")
         checkFiles(options.parameters or ())
 
     def __str__(self):
@@ -113,18 +111,21 @@ class GivenSystem(EnergySettings):
                 box = boxOf(topology)
                 if not self._options.periodic:
                     topology.setPeriodicBoxVectors(None)
-            self._system = opened.createSystem(self.argumentsOf(topology, self.cutoff))
+            with warnings.catch_warnings(record=True) as caught:
+                warnings.simplefilter("always")
+                self._system = opened.createSystem(self.argumentsOf(topology, self.cutoff))
         except InputError:
             raise
         except Exception as error:  # OpenMM passes on any exception of its parsers
             raise InputError(self._explain(error)) from error
-        _compareAtoms(path, found, len(positions), self._path, topology, self._system)
+        compareAtoms(path, found, len(positions), self._path, topology, self._system)
         if self._isSerialized:
             box = self._boxOfSystem(path, box)
         checkPositions(positions, topology, path)
         self._checkForces()
-        whole, positions = self._completeBonds(path, topology, positions, box)
-        return Structure(Path(path).stem, whole, positions, alternates, notes, box, spaceGroup)
+        whole, positions, more = self._completeBonds(path, topology, positions, box)
+        name = Path(Path(path).name.removesuffix(".gz")).stem
+        return Structure(name, whole, positions, alternates, [*notes, *_asNotes(caught), *more], box, spaceGroup)
 
     def makeSystem(self, structure):
         """Return the System and a list of Note."""
@@ -164,7 +165,7 @@ class GivenSystem(EnergySettings):
             raise InputError(f"--system {self._path}: has Drude particles, whose response torsion moves do not sample")
 
     def _completeBonds(self, path, topology, positions, box):
-        """Return a Topology with all bonds and with polymers as chains, and positions of whole molecules."""
+        """Return a Topology with all bonds, positions of whole molecules, and a list of Note."""
         topology.setPeriodicBoxVectors(asVectors(box))
         known = bondsOf(self._system)
         try:
@@ -178,68 +179,10 @@ class GivenSystem(EnergySettings):
             raise InputError(f"{path}: atoms bonded in {self._path} are {how} ({names}): do the files belong together?")
         if BeadNetwork(topology, self._system, known, search.positions).beads:
             raise InputError(f"--system {self._path}: has beads, which only the Python package samples")
-        whole = _withChains(topology, search.bonds)
         topology.setPeriodicBoxVectors(None)
-        return whole, search.positions
+        return subset(topology, list(topology.atoms()), search.bonds), search.positions, search.notes
 
 
-def _compareAtoms(path, found, count, systemPath, topology, system):
-    """Refuse a structure whose atoms differ from those of a System; name the first that differs.
-
-    found : the Topology of the structure, or None; topology : the Topology of the System, or `found`
-    """
-    particles = system.getNumParticles()
-    difference = None
-    if found is topology:
-        difference = _differenceOfMasses(list(found.atoms()), system)
-    elif found is not None:
-        difference = _differenceOfElements(list(found.atoms()), list(topology.atoms()))
-    if count == particles and difference is None:
-        return
-    counts = f"{count:,} atoms" if count == particles else f"{count:,} atoms, not {particles:,}"
-    first = "" if difference is None else f"; the first that differs is number {difference}"
-    raise InputError(f"{path}: does not fit {systemPath}: it has {counts}{first}")
-
-
-def _differenceOfElements(atoms, others):
-    for atom, other in zip(atoms, others, strict=False):
-        if None not in (atom.element, other.element) and atom.element is not other.element:
-            return f"{atom.index} (from 0), {describeAtom(atom)}, there {describeAtom(other)}"
-    return None
-
-
-def _differenceOfMasses(atoms, system):
-    """Compare elements with masses, up to masses that move from heavy atoms to their hydrogens."""
-    for atom, particle in zip(atoms, range(system.getNumParticles()), strict=False):
-        mass = system.getParticleMass(particle).value_in_unit(unit.dalton)
-        if mass == 0 or atom.element is None:  # fixed, or a virtual site
-            continue
-        expected = atom.element.mass.value_in_unit(unit.dalton)
-        isLight = mass < _HEAVIEST_HYDROGEN
-        isTooHeavy = mass > expected + _MASS_TOLERANCE
-        if (isTooHeavy and not (atom.element is app.element.hydrogen and isLight)) or (
-            mass < expected - _MOST_MOVED - _MASS_TOLERANCE
-        ):
-            return f"{atom.index} (from 0), {describeAtom(atom)}, there of {mass:g} Da"
-    return None
-
-
-def _withChains(topology, bonds):
-    """Return a copy of a Topology with these bonds, in which another chain begins where no bond joins residues."""
-    joined = set()
-    atoms = list(topology.atoms())
-    for first, second in bonds:
-        joined.add((atoms[first].residue.index, atoms[second].residue.index))
-    copy = app.Topology()
-    copies, last, newChain = [], None, None
-    for residue in topology.residues():
-        isPart = last is not None and residue.chain is last.chain and isPolymer(residue) == isPolymer(last)
-        if not isPart or (isPolymer(residue) and (last.index, residue.index) not in joined):
-            newChain = copy.addChain(residue.chain.id)
-        newResidue = copy.addResidue(residue.name, newChain, residue.id, residue.insertionCode)
-        copies += [copy.addAtom(atom.name, atom.element, newResidue, atom.id) for atom in residue.atoms()]
-        last = residue
-    orders = {frozenset(atom.index for atom in bond[:2]): (bond.type, bond.order) for bond in topology.bonds()}
-    for first, second in bonds:
-        copy.addBond(copies[first], copies[second], *orders.get(frozenset((first, second)), (None, None)))
-    return copy
+def _asNotes(caught):
+    """Return the warnings of OpenMM's readers as a list of Note, without repeats."""
+    return [Note(f"OpenMM warns: {text}") for text in dict.fromkeys(str(warning.message) for warning in caught)]

@@ -11,6 +11,7 @@ from openmm import app, unit
 
 from ..errors import InputError
 from ..images import vectorsOf
+from ..residues import isPolymer
 from ..structures.filekinds import rootOfXML
 
 IMPLICIT_SOLVENTS = ("HCT", "OBC1", "OBC2", "GBn", "GBn2")
@@ -30,7 +31,7 @@ class _AmberFile(_SystemFile):
 
     def __init__(self, path, box, options):
         self._file = app.AmberPrmtopFile(path, periodicBoxVectors=box)
-        self.topology = self._file.topology
+        self.topology = _withChains(self._file.topology)
         self._implicit = options.implicit
 
     def createSystem(self, arguments):
@@ -119,6 +120,24 @@ def checkFiles(names):
     for name in names:
         if not os.path.isfile(name):
             raise InputError(f"--parameters {name}: {'is no file' if os.path.exists(name) else 'No such file'}")
+
+
+def _withChains(topology):
+    """Return a copy of the Topology of a prmtop, which has no chains: another begins where no bond joins polymers."""
+    joined = {(bond[0].residue.index, bond[1].residue.index) for bond in topology.bonds()}
+    copy = app.Topology()
+    copy.setPeriodicBoxVectors(topology.getPeriodicBoxVectors())
+    copies, last = {}, None
+    for residue in topology.residues():
+        areBoth = last is not None and isPolymer(residue) == isPolymer(last)
+        if not areBoth or (isPolymer(residue) and (last.index, residue.index) not in joined):
+            chain = copy.addChain()
+        newResidue = copy.addResidue(residue.name, chain, residue.id, residue.insertionCode)
+        copies |= {atom: copy.addAtom(atom.name, atom.element, newResidue, atom.id) for atom in residue.atoms()}
+        last = residue
+    for first, second in topology.bonds():
+        copy.addBond(copies[first], copies[second])
+    return copy
 
 
 def _asSolvent(name):
