@@ -178,6 +178,21 @@ def test_gapsAreThoseOfMmCIF(bankFile, tmp_path):
     assert findSequenceGaps(again.file, again.model)[0] == expected
 
 
+def test_aSingleAminoAcidBetweenGapsIsLeftOut(villin, tmp_path, model):
+    lines = heavyLines(villin, lambda atom: int(atom.residue.id) not in (20, 22))
+    whole, _ = prepareStructure(readStructure(writePDB(tmp_path / "single.pdb", lines)), model, 7, 1)
+    (single,) = itemsOf(whole, "single amino acids")
+    assert single.endswith(" 21") and "21" not in [residue.id for residue in whole.topology.residues()]
+    model.makeSystem(whole)
+
+
+def test_withoutAForceFieldNothingIsLeftOut(bankFile):
+    whole, added = prepareStructure(readStructure(bankFile), None, 7, 1)
+    names = [residue.name for residue in whole.topology.residues()]
+    assert "MSE" in names and "GOL" in names and added > 200
+    assert whole.topology.getNumAtoms() > 500
+
+
 def test_aSequenceThatDiffersIsNotUsed(bankLines, tmp_path, model):
     lines = [line[:19] + "GLY " * 13 if line.startswith("SEQRES") else line for line in bankLines]
     structure = readStructure(writePDB(tmp_path / "other.pdb", lines))

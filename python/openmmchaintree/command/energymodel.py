@@ -7,6 +7,7 @@ import numpy as np
 import openmm
 import openmm.app
 from openmm import unit
+from openmm.app import element
 
 from ..bonds import BondGraph
 from ..errors import InputError
@@ -98,6 +99,15 @@ class EnergyModel(EnergySettings):
     def hasTemplateOf(self, residue):
         """Whether the force field has a template that the name of a residue, or the element of an ion, suggests."""
         return bool(templatesOf(self._forceField, residue))
+
+    def hydrogensOf(self, name):
+        """Return the hydrogens of the template of a name, with the atoms that bind them, as pairs of names."""
+        template = self._forceField._templates.get(name)
+        if template is None:
+            return []
+        bonds = [pair for bond in template.bonds for pair in (bond, bond[::-1])]
+        pairs = [(template.atoms[first], template.atoms[second]) for first, second in bonds]
+        return [(atom.name, parent.name) for atom, parent in pairs if atom.element == element.hydrogen]
 
     def hasPhosphateEnds(self):
         """Whether the force field has nucleotides, or patches of them, with a phosphate at the 5' end."""

@@ -18,6 +18,7 @@ _ADD_RESIDUES = "--prepare adds ends and short gaps"
 _LEAVE_OUT = 'name another file that has them, or leave them out (--leave-out "{}")'
 _LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-out)"
 _REPLACE = "name another file that has them, or let --prepare replace them"
+_OTHER_FILE = "name another file that has them, or leave out what they bind (--leave-out)"
 _OTHER_HYDROGENS = '--leave-out "element H" --add-hydrogens puts others in their place'
 
 _CANNOT_PREPARE = "--prepare knows no more of them: are names or bonds of atoms unusual?"
@@ -116,7 +117,7 @@ def _whyMisfit(forceField, residue, bonds):
         atoms = listFirst(sorted(misfit.missingBonds))
         return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, f"at {atoms}"
     if misfit.extraBonds:
-        return "bound to what the force field does not bind", _REPLACE, _describeBonds(bonds, misfit.extraBonds)
+        return "bound to what the force field does not bind", _OTHER_FILE, _describeBonds(bonds, misfit.extraBonds)
     if misfit.lackingHydrogens > 0 and _isBehindGap(residue, bonds):
         return "that lack their neighbour in the chain, or the atoms of an end", _ADD_RESIDUES, "at N"
     if misfit.lackingHydrogens > 0:

@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...extras import importExtra
 from ...naming import describeResidue
 from ...notes import Note, found
-from ...residues import isNucleotide, isPolymer
+from ...residues import aminoAcid, isNucleotide, isPolymer
 from ...structures.sequencegaps import findSequenceGaps
 from ...structures.structure import withoutAtoms
 from ...templates import atomAliases, standardName, templateBonds
@@ -43,6 +43,8 @@ def completeHeavyAtoms(structure, energyModel, seed):
     notes += more
     structure, more = _withoutPhosphates(structure, energyModel)
     notes += more
+    structure, more = _withoutSingles(structure, findSegments(structure, gaps)[0])
+    notes += more
     segments, more = findSegments(structure, gaps)
     notes += more
     made = _runPDBFixer(structure, segments, seed)
@@ -64,6 +66,18 @@ def _withoutStubs(structure):
     atoms = np.array([atom.index for residue in stubs for atom in residue.atoms()])
     items = map(describeResidue, stubs)
     return withoutAtoms(structure, atoms), [Note("residues without N, CA or C, left out", items)]
+
+
+def _withoutSingles(structure, segments):
+    """Return a Structure without amino acids alone between gaps, which no force field has, and a list of Note."""
+    between = [bond for bond in structure.topology.bonds() if bond[0].residue is not bond[1].residue]
+    bound = {atom.residue for bond in between for atom in bond}
+    alone = [segment.residues[0] for segment in segments if len(segment.residues) == 1]
+    singles = [residue for residue in alone if aminoAcid(residue.name) is not None and residue not in bound]
+    if not singles or len(singles) == structure.topology.getNumResidues():
+        return structure, []
+    atoms = np.array([atom.index for residue in singles for atom in residue.atoms()])
+    return withoutAtoms(structure, atoms), [Note("single amino acids left out", map(describeResidue, singles))]
 
 
 def _withoutPhosphates(structure, energyModel):

@@ -11,6 +11,7 @@ from ..hydrogens import addHydrogens
 from .additives import withoutAdditives
 from .completing import completeHeavyAtoms
 from .handedness import findShapes, mirrorWrongCenters, wrongShapes
+from .hydrogendefinitions import defineHydrogens
 from .replacing import replaceModified
 
 # Iterations to relax added atoms, if heavy atoms are among them.
@@ -41,6 +42,8 @@ def prepareStructure(structure, energyModel, pH, seed):
     notes += more
     isHeavy = np.zeros(structure.topology.getNumAtoms(), dtype=bool)
     isHeavy[heavy] = True
+    if energyModel is not None:
+        defineHydrogens(structure.topology, energyModel)
     complete, hydrogens = addHydrogens(structure._replace(notes=[]), pH, seed, mindMetals=True)
     notes += complete.notes
     added = np.zeros(complete.topology.getNumAtoms(), dtype=bool)

@@ -5,7 +5,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...extras import importExtra
-from ...graphs import connectedParts
+from ...graphs import growTrees, neighborLists
 from ...naming import describeResidue
 from ...notes import Note, found
 from ...residues import PEPTIDE_BACKBONE, isPolymer
@@ -62,9 +62,15 @@ def _commonAtoms(topology, residue, standard):
         for first, second in topology.bonds()
         if first.residue is residue and second.residue is residue
     }
-    bonds = [bond for bond in templateBonds(standard, [atom.name for atom in atoms]) if frozenset(bond) in own]
-    parts = connectedParts(len(atoms), bonds)
     center = next((number for number, atom in enumerate(atoms) if atom.name in _CENTERS), None)
     if center is None:
         return set()
-    return {atom.index for number, atom in enumerate(atoms) if parts[number] == parts[center]}
+    wanted = [tuple(bond) for bond in templateBonds(standard, [atom.name for atom in atoms])]
+    left = set()
+    while True:
+        bonds = [bond for bond in wanted if frozenset(bond) in own and left.isdisjoint(bond)]
+        order = [center, *(atom for atom, _ in growTrees(neighborLists(len(atoms), bonds), [center]) if atom != center)]
+        extra = [bond for bond in own - set(map(frozenset, wanted)) if bond <= set(order)]
+        if not extra:
+            return {atoms[number].index for number in order}
+        left.add(max(extra[0], key=order.index))  # the ring of pyroglutamate opens at its end
