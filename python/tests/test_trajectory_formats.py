@@ -115,6 +115,23 @@ def test_truncatedTRR(tmp_path, structure, frames):
     assert len(found) == 2
 
 
+def test_TRRWithoutPositions(tmp_path, structure, frames):
+    """GROMACS may write velocities alone, at which MDTraj returns what was in its memory."""
+    path = writeFrames(tmp_path / "a.trr", frames, box=4)
+    data = bytearray(path.read_bytes())
+    place = 2 * (len(data) // 4) + data.index(b"GMX_trn_file") + 12 + 4 * 7
+    data[place : place + 8] = data[place + 4 : place + 8] + data[place : place + 4]
+    path.write_bytes(data)
+    found = []
+    with pytest.raises(InputError, match=r"a.trr: frame 2 \(from 0\) has no positions"):
+        found.extend(ClashSearch(structure, path))
+    assert len(found) == 2
+    search = ClashSearch(structure, path)
+    with pytest.raises(InputError, match=r"a.trr: frame 2 \(from 0\) has no positions"):
+        list(search.overlaps(2, 4))
+    assert [frame.number for frame in ClashSearch(structure, path).overlaps(3, 4)] == [3]
+
+
 @pytest.mark.parametrize("suffix", ["nc", "h5"])
 def test_noFrames(tmp_path, structure, frames, suffix):
     path = writeFrames(tmp_path / f"a.{suffix}", np.empty((0, 582, 3)))

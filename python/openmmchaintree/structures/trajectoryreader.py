@@ -45,6 +45,7 @@ def _answer(path, output):
         return _refuse(output, f"not {name} file, or damaged at its start")
     with file:
         header = _DCDHeader(path) if isDCD else None
+        headers = _TRRHeaders(path) if suffix == ".trr" else None
         count = _length(file)
         unit = 0.1 if file.distance_unit == "angstroms" else 1.0
         _write((header.frames if isDCD else None, count, unit), output)
@@ -54,7 +55,7 @@ def _answer(path, output):
             if begin != place:
                 file.seek(begin)
             place = None  # after a damaged frame, the position in the file is unknown
-            damage, place = _writeFrames(file, boxOf, header, count, begin, end, output)
+            damage, place = _writeFrames(file, boxOf, header, headers, count, begin, end, output)
             _write(damage, output)
 
 
@@ -69,7 +70,7 @@ def _write(content, output):
     output.flush()
 
 
-def _writeFrames(file, boxOf, header, count, begin, end, output):
+def _writeFrames(file, boxOf, header, headers, count, begin, end, output):
     """Write frames begin to end - 1, or to the last for -1; return the damage or None, and the next frame."""
     isDCD = header is not None
     index = begin
@@ -80,6 +81,8 @@ def _writeFrames(file, boxOf, header, count, begin, end, output):
             return f"frame {index} (from 0) is damaged", None
         if len(positions) == 0:
             break
+        if headers is not None and not headers.havePositions(index):
+            return f"frame {index} (from 0) has no positions, but other data alone", None
         _write((positions[0], boxOf(*others)), output)
         index += 1
     if index < end or isDCD and end == -1 and index < count:
@@ -150,6 +153,29 @@ class _DCDHeader:
                 position += 8 + max(0, struct.unpack(self._order + "i", marker)[0])
                 records += 1
         return position == size and (records - self._recordsBefore) % self._recordsInAFrame == 0
+
+
+class _TRRHeaders:
+    """The headers of a TRR file, by which each frame has positions or not: MDTraj would return any numbers for them."""
+
+    _FIRST, _NUMBERS = 24, struct.Struct(">13i")  # the magic number and the version; sizes in bytes, then counts
+
+    def __init__(self, path):
+        self._path = path
+        self._starts = [0]
+
+    def havePositions(self, index):
+        """Whether a frame has positions; frames before it must be whole."""
+        with open(self._path, "rb") as file:
+            while True:
+                place = min(index, len(self._starts) - 1)
+                file.seek(self._starts[place] + self._FIRST)
+                numbers = self._NUMBERS.unpack(file.read(self._NUMBERS.size))
+                box, positions, velocities, forces, atoms = (numbers[i] for i in (2, 7, 8, 9, 10))
+                if place == index:
+                    return positions > 0
+                real = box // 9 or max(positions, velocities, forces) // (3 * atoms)  # bytes of a number
+                self._starts.append(file.tell() + 2 * real + sum(numbers[:10]))
 
 
 # For each suffix: the kind of file with its article, the package that reads it, the module and name of the reader, and
