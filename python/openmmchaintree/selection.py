@@ -49,12 +49,12 @@ def selectAtoms(topology: app.Topology, selection: AtomSelection) -> npt.NDArray
     else:
         atoms = _selectByIndex(topology.getNumAtoms(), selection)
     if len(atoms) == 0:
-        raise ValueError(f"{_name(selection)} no atom{advice}")
+        raise ValueError(f"{_emptiness(selection)}{advice}")
     return atoms
 
 
-def _name(selection):
-    return f"{selection!r} selects" if isinstance(selection, str) else "the selection has"
+def _emptiness(selection):
+    return f"{selection!r} selects no atom" if isinstance(selection, str) else "the selection has no atom"
 
 
 def _selectByIndex(count, selection):
