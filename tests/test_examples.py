@@ -151,6 +151,23 @@ def test_dynamics(tmp_path):
     assert max(map(abs, widths[0])) < 60 and max(widths[1]) < -40
 
 
+def test_versusDynamics(tmp_path, monkeypatch):
+    """Both methods run and are drawn; people start longer runs."""
+    monkeypatch.syspath_prepend(PROJECT / "examples" / "validation")
+    from peptide import cutPeptide
+
+    topology, positions = cutPeptide()
+    with open(tmp_path / "peptide.pdb", "w") as file:
+        app.PDBFile.writeFile(topology, positions * unit.nanometer, file)
+    program = "validation/versus_dynamics.py"
+    for method in ("moves", "dynamics"):
+        run(program, "run", method, "peptide.pdb", f"{method}.npz", "--seconds", 1, folder=tmp_path)
+    output = run(program, "draw", "peptide.pdb", "moves.npz", "dynamics.npz", "both.png", folder=tmp_path)
+    rows = [line.rsplit(maxsplit=2) for line in output.splitlines()]
+    assert len(rows) == 7 and all(float(row[1]) >= 0 and float(row[2]) >= 0 for row in rows)
+    assert (tmp_path / "both.png").stat().st_size > 0
+
+
 def test_folding(tmp_path, monkeypatch):
     """A run from an extended start is extended, and compared with the native structure; people start longer runs."""
     monkeypatch.syspath_prepend(PROJECT / "examples" / "validation")

@@ -6,11 +6,13 @@
 
 `run` samples a protein with all its hydrogens, such as trp-cage (PDB entry 1L2Y), in AMBER14 with GBn2 at 300 K. Each
 run starts from the minimized structure and ends after --seconds of CPU time. `moves` are those of addDefaultMoves and
-as many displacements of single atoms: `sample --flexible`. `dynamics` is LangevinMiddleIntegrator with constrained bonds
-of hydrogens of 1.5 Da and a step of 4 fs, on OpenMM's CPU platform with one thread.
+as many displacements of single atoms: `sample --flexible`. `dynamics` is LangevinMiddleIntegrator with constrained
+bonds of hydrogens of 1.5 Da and a step of 4 fs, on OpenMM's CPU platform with one thread.
 
-`draw` omits the first fifth of each run. It prints and draws effective sample sizes (for angles the median of all of a
-kind), and draws Ramachandran plots and the RMSD of backbone atoms from the start against CPU time.
+`draw` takes the CPU time that both runs have, and omits the first fifth. It prints and draws effective sample sizes
+(for angles the median of all of a kind) and how often side chains change the rotamer of chi1, and draws Ramachandran
+plots and the RMSD of backbone atoms from the start against CPU time. An angle that stays in its basin has a large
+effective size there, but says nothing of other basins; the changes of rotamers do.
 """
 
 import argparse
@@ -35,6 +37,7 @@ TRIALS_PER_STEP, STEPS_OF_MOVES, STEPS_OF_DYNAMICS = 400, 10, 10  # between fram
 PLATFORM = (openmm.Platform.getPlatformByName("CPU"), {"Threads": "1"})
 SECONDS_BETWEEN_FILES = 20
 DISCARDED = 0.2  # of each run, before its statistics
+ROTAMERS, CORE = (60, 180, 300), 30  # degrees: centres of rotamers, and half the width of their cores
 COLORS = {"moves": "#1f6fb4", "dynamics": "#d9730d"}
 NAMES = {"moves": "openmm-chaintree", "dynamics": "dynamics"}
 
@@ -112,20 +115,32 @@ def makeDynamics(topology, positions, seed):
 class Course:
     """A run as `draw` shows it: angles in rad, RMSD in Å, CPU time in s."""
 
-    def __init__(self, structure, file):
-        data = np.load(file)
-        self.seconds = data["seconds"]
-        self.kept = slice(int(DISCARDED * len(self.seconds)), None)
-        trajectory = mdtraj.Trajectory(data["frames"], mdtraj.load(structure).topology)
+    def __init__(self, structure, data, seconds):
+        """Take the frames of the file of a run up to some CPU time."""
+        count = int(np.count_nonzero(data["seconds"] <= seconds))
+        self.seconds = data["seconds"][:count]
+        self.kept = slice(int(DISCARDED * count), None)
+        trajectory = mdtraj.Trajectory(data["frames"][:count], mdtraj.load(structure).topology)
         start = mdtraj.load_frame(structure, 0)
         self.rmsd = 10 * mdtraj.rmsd(trajectory, start, atom_indices=trajectory.topology.select("backbone"))
         self.phi, self.psi, self.chi1 = (
             compute(trajectory)[1] for compute in (mdtraj.compute_phi, mdtraj.compute_psi, mdtraj.compute_chi1)
         )
-        self._energies, self._sizes = data["energies"], 10 * mdtraj.compute_rg(trajectory)
+        self._energies, self._sizes = data["energies"][:count], 10 * mdtraj.compute_rg(trajectory)
 
-    def effectiveSizes(self):
-        """Return the effective sample sizes of the frames that count, by the names of observables."""
+    def countRotamerChanges(self):
+        """Return how often a chi1 reaches the core of another rotamer than it was in last."""
+        changes = 0
+        for angles in np.degrees(self.chi1[self.kept]).T:
+            rotamers = np.full(len(angles), -1)
+            for number, center in enumerate(ROTAMERS):
+                rotamers[np.abs((angles - center + 180) % 360 - 180) < CORE] = number
+            reached = rotamers[rotamers >= 0]
+            changes += int(np.count_nonzero(reached[1:] != reached[:-1]))
+        return changes
+
+    def count(self):
+        """Return effective sample sizes of the frames that count, by the names of observables, and rotamer changes."""
 
         def ofAngles(angles):
             return float(np.median([estimateAngle([one]).effectiveSampleSize for one in angles[self.kept].T]))
@@ -133,23 +148,28 @@ class Course:
         series = {"energy": self._energies, "radius of gyration": self._sizes, "RMSD": self.rmsd}
         sizes = {name: estimate([values[self.kept]]).effectiveSampleSize for name, values in series.items()}
         angles = {"φ": self.phi, "ψ": self.psi, "χ1": self.chi1}
-        return sizes | {name: ofAngles(values) for name, values in angles.items()}
+        sizes |= {name: ofAngles(values) for name, values in angles.items()}
+        return sizes | {"χ1, changes\nof rotamers": self.countRotamerChanges()}
 
 
 def draw(options):
-    """Draw two runs, and print their effective sample sizes; return the exit status."""
-    courses = {name: Course(options.structure, getattr(options, name)) for name in COLORS}
-    sizes = {name: course.effectiveSizes() for name, course in courses.items()}
+    """Draw two runs, and print their counts; return the exit status."""
+    files = {name: np.load(getattr(options, name)) for name in COLORS}
+    seconds = min(file["seconds"][-1] for file in files.values())
+    courses = {name: Course(options.structure, file, seconds) for name, file in files.items()}
+    sizes = {name: course.count() for name, course in courses.items()}
     for observable in sizes["moves"]:
-        print(f"{observable:20} {sizes['moves'][observable]:8.0f} {sizes['dynamics'][observable]:8.0f}")
+        name = observable.replace("\n", " ")
+        print(f"{name:24} {sizes['moves'][observable]:8.0f} {sizes['dynamics'][observable]:8.0f}")
     figure, panels = plt.subplot_mosaic("mdb;ttb", figsize=(11, 6.2), layout="constrained")
     for panel, (name, course) in zip("md", courses.items(), strict=True):
         _drawAngles(panels[panel], course, COLORS[name])
-        panels[panel].set_title(f"{NAMES[name]}, {course.seconds[-1]:.0f} s")
+        panels[panel].set_title(f"{NAMES[name]}, {seconds:.0f} s")
     for name, course in courses.items():
         panels["t"].plot(course.seconds, course.rmsd, color=COLORS[name], linewidth=0.8, label=NAMES[name])
     panels["t"].set(xlabel="CPU time, s", ylabel="backbone RMSD from the start, Å", xlim=0, ylim=0)
-    panels["t"].legend(loc="upper left", frameon=False)
+    panels["t"].set_ylim(top=1.25 * panels["t"].get_ylim()[1])
+    panels["t"].legend(loc="upper left", frameon=False, ncols=2)
     _drawSizes(panels["b"], sizes)
     figure.savefig(options.picture, dpi=100)
     return 0
@@ -168,8 +188,8 @@ def _drawSizes(panel, sizes):
         bars = panel.barh(np.arange(len(names)) + offset, sizes[name].values(), 0.38, color=COLORS[name])
         panel.bar_label(bars, fmt="{:.0f}", padding=2)
     panel.set_xscale("log")
-    panel.set(yticks=range(len(names)), yticklabels=names, xlabel="independent samples", title="effective sample size")
-    panel.set_xlim(1, 2 * max(max(one.values()) for one in sizes.values()))
+    panel.set(yticks=range(len(names)), yticklabels=names, title="Effective sample sizes")
+    panel.set_xlim(1, 4 * max(max(one.values()) for one in sizes.values()))
     panel.invert_yaxis()
 
 
