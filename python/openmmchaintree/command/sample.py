@@ -118,7 +118,7 @@ def addArguments(sample):
         f"{','.join(DEFAULT_KINDS)}; in a force field {','.join(KINDS_WITH_ENERGIES)}, every bond outside rings; "
         "rotatable: single bonds, neither terminal nor conjugated as in amides)",
     )
-    moving.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as those of a ligand")
+    moving.add_argument("--leave-out", metavar="SELECTION", help="atoms to omit, such as a ligand")
     moving.add_argument(
         "--unknown-radius",
         type=numberIn(0, 1),
