@@ -193,6 +193,21 @@ def test_withoutAForceFieldNothingIsLeftOut(bankFile):
     assert whole.topology.getNumAtoms() > 500
 
 
+def test_aResidueWithoutItsBackboneIsBuiltAgain(villin, tmp_path, model):
+    """Also next to a gap, with which it is built; at an end it is left out."""
+
+    def isThere(atom):
+        number = int(atom.residue.id)
+        return number != 22 and (number not in (21, 35) or atom.name == "N")
+
+    lines = [*sequenceLines(villin), *heavyLines(villin, isThere)]
+    whole, _ = prepareStructure(readStructure(writePDB(tmp_path / "stub.pdb", lines)), model, 7, 1)
+    names = [residue.name for residue in villin.topology.residues()]
+    assert [residue.name for residue in whole.topology.residues()] == names[:34]
+    assert itemsOf(whole, "built from the sequence")[0].endswith(f": {names[20]} {names[21]}")
+    model.makeSystem(whole)
+
+
 def test_aSequenceThatDiffersIsNotUsed(bankLines, tmp_path, model):
     lines = [line[:19] + "GLY " * 13 if line.startswith("SEQRES") else line for line in bankLines]
     structure = readStructure(writePDB(tmp_path / "other.pdb", lines))

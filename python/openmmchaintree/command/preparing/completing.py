@@ -18,7 +18,7 @@ from ...structures.sequencegaps import findSequenceGaps
 from ...structures.structure import withoutAtoms
 from ...templates import atomAliases, standardName, templateBonds
 from ..hydrogens import boundEnds, repeatable
-from .segments import Missing, findSegments, lacksBackbone
+from .segments import Missing, findSegments, gapsWithStubs, lacksBackbone
 
 # PDBFixer is made from a file; its Topology and positions are replaced at once.
 _ANY_FILE = "ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00  0.00           C\nEND\n"
@@ -39,7 +39,7 @@ def completeHeavyAtoms(structure, energyModel, seed):
         if most of a chain's backbone is missing
     """
     gaps, notes = ([], []) if structure.file is None else findSequenceGaps(structure.file, structure.model)
-    structure, more = _withoutStubs(structure)
+    structure, gaps, more = _withoutStubs(structure, gaps)
     notes += more
     structure, more = _withoutPhosphates(structure, energyModel)
     notes += more
@@ -52,11 +52,11 @@ def completeHeavyAtoms(structure, energyModel, seed):
     return completed, added, made.templates, notes + more
 
 
-def _withoutStubs(structure):
-    """Return a Structure without amino acids that lack a part of their backbone, and a list of Note."""
+def _withoutStubs(structure, gaps):
+    """Return a Structure without amino acids that lack N, CA or C, its SequenceGaps, and a list of Note."""
     stubs = [residue for residue in structure.topology.residues() if lacksBackbone(residue)]
     if not stubs:
-        return structure, []
+        return structure, gaps, []
     count = sum(1 for residue in structure.topology.residues() if not lacksBackbone(residue))
     if 2 * len(stubs) > count:
         raise InputError(
@@ -64,8 +64,8 @@ def _withoutStubs(structure):
             "chains, ends and short gaps are built"
         )
     atoms = np.array([atom.index for residue in stubs for atom in residue.atoms()])
-    items = map(describeResidue, stubs)
-    return withoutAtoms(structure, atoms), [Note("residues without N, CA or C, left out", items)]
+    note = Note("residues without N, CA or C, left out or built again", map(describeResidue, stubs))
+    return withoutAtoms(structure, atoms), gapsWithStubs(structure.topology, gaps, set(stubs)), [note]
 
 
 def _withoutSingles(structure, segments):

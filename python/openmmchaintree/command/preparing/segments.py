@@ -1,5 +1,6 @@
 """The segments of chains between gaps, and the gaps that can be built."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +10,8 @@ from ...bonds import polymerLinks
 from ...naming import describeResidue
 from ...notes import Note, found
 from ...residues import PEPTIDE_BACKBONE, aminoAcid, isPolymer
+from ...structures.sequencegaps import SequenceGap
+from ...templates import standardName
 from .replacing import standardOf
 
 # The longest gap that is built, in residues. Loops of more have too many conformations for one guess.
@@ -108,6 +111,23 @@ def _atomNamed(residue, name):
 
 def _address(residue):
     return residue.chain.id, f"{residue.id}{residue.insertionCode}"
+
+
+def gapsWithStubs(topology, gaps, stubs):
+    """Return SequenceGaps to which residues of a Topology, which are to be left out, are added with their names."""
+    byEnds = {(gap.before, gap.after): gap.names for gap in gaps}
+    found = []
+    for chain in topology.chains():
+        start, names = None, []
+        for previous, residue in pairwise(filter(isPolymer, chain.residues())):
+            if previous not in stubs:
+                start, names = previous, []
+            names += byEnds.get((_address(previous), _address(residue)), [])
+            if residue in stubs:
+                names.append(standardName(residue.name))
+            elif start is not None and names:
+                found.append(SequenceGap(_address(start), _address(residue), names))
+    return found
 
 
 def lacksBackbone(residue):
