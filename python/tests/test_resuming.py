@@ -190,7 +190,7 @@ def test_aSingleRunOfAnyKind(runHere, tmp_path, monkeypatch, options):
     with open(tmp_path / "cut.dcd", "ab") as file:
         file.write(b"torn")
     result = runHere("--resume", "cut.checkpoint")
-    assert result.returncode == 0 and "going on after 800 trials" in result.stdout, result.stderr
+    assert result.returncode == 0 and "resumed after 800 trials" in result.stdout, result.stderr
     assertSameRun(tmp_path)
 
 
@@ -235,7 +235,7 @@ def test_aFinishedRunReportsAgain(finished, runHere, tmp_path):
     counts = counted(tmp_path, "a.json")
     (tmp_path / "run.png").unlink()
     result = runHere("--resume", "run.checkpoint")
-    assert result.returncode == 0 and "going on after 30 trials of each" in result.stdout
+    assert result.returncode == 0 and "resumed after 30 trials of each" in result.stdout
     assert contents(tmp_path, "run") == before and filesIn(tmp_path) == files
     assert counted(tmp_path, "a.json") == counts
     (tmp_path / "b.json").write_text("mine")

@@ -50,7 +50,7 @@ def test_twice(resume, tmp_path):
     (tmp_path / "run.png").unlink()
     for _ in range(2):
         result = resume()
-        assert result.returncode == 0 and "going on after 30 trials\n" in result.stdout, result.stderr
+        assert result.returncode == 0 and "resumed after 30 trials\n" in result.stdout, result.stderr
     assert {name: (tmp_path / name).read_bytes() for name in filesIn(tmp_path) if name != "run.checkpoint"} == {
         name: content for name, content in before.items() if name != "run.checkpoint"
     }

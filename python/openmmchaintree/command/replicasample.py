@@ -101,11 +101,11 @@ def _describeRun(run, choice):
     """Return lines on the replicas of a ReplicaRun, and where it resumes."""
     plan, trials = run.plan, run.plan.schedule.trialsBefore(run.state.round)
     if choice.isSingle:
-        return [f"going on after {countOf(trials, 'trial')}"] if trials else []
+        return [f"resumed after {countOf(trials, 'trial')}"] if trials else []
     words = f"replicas: {len(plan.seeds)} by {countOf(choice.workers, 'worker')}"
     if choice.scheduler is not None:
         words += f" of {choice.scheduler}"
     if plan.isExchange:
         kelvins = ", ".join(f"{temperature:.1f}" for temperature in plan.temperatures)
         words += f", which exchange the temperatures {kelvins} K every {plan.schedule.trialsPerRound:,} trials"
-    return [f"{words}; going on after {countOf(trials, 'trial')} of each" if trials else words]
+    return [f"{words}; resumed after {countOf(trials, 'trial')} of each" if trials else words]

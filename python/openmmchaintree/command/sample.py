@@ -263,4 +263,7 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
         if readSettings(options.config) == settings:
             del names["settings"]
     check = checkOutputs if saved is None else saved.checkOutputs
-    return check(names, inputs, options.overwrite)
+    outputs = check(names, inputs, options.overwrite)
+    for kind in namesOfRun(prefix, replicas):
+        outputs[kind].requireFile()
+    return outputs

@@ -216,6 +216,11 @@ class Output:
         except OSError as error:
             raise OutputError(f"{self.name}: cannot be written ({error.strerror})") from error
 
+    def requireFile(self):
+        """Refuse a device or pipe, whose content cannot be read again."""
+        if self._isSpecial:
+            raise InputError(f"{self.name}: is no file, but a run reads its trajectory, table and checkpoint again")
+
     def needsOverwrite(self):
         """Whether the file exists and must not be replaced."""
         return self._path.is_file() and not self._overwrite

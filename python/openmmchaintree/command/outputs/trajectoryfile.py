@@ -12,10 +12,8 @@ from ...notes import countOf
 from .growingfile import GrowingFile
 from .output import OutputError
 
-# Positions in the DCD header of fields of four bytes. Each frame changes the number of frames and the step of the last
-# one; more trials can change the number of steps between frames, and the time of a step.
+# Positions in the DCD header of fields that each frame changes: the number of frames, the step of the last one.
 _FRAME_COUNT, _LAST_STEP = 8, 20
-_STEPS_PER_FRAME, _TIME_OF_A_STEP = 16, 44
 
 # The title line with the date.
 _TITLE, _TITLE_LENGTH = 180, 80
@@ -59,17 +57,22 @@ class TrajectoryFile(GrowingFile):
         self._step = _trialsOfAStep(interval, expectedFrames)
         self._cell = _unitCell(topology)
         self._frameSize = len(self._cell) + 3 * (4 * len(positions) + 8)
-        header = io.BytesIO()
-        openmm.app.DCDFile(header, topology, self._step * unit.picosecond, 0, interval // self._step)
-        header = header.getvalue()
+        header = _makeHeader(topology, interval, self._step)
         if framesThere > 0:
-            self.resume(output, len(header) + framesThere * self._frameSize, header, "trajectory", _withoutCounts)
+            # Of a run whose trials the format could hold, or not, unlike those of this one.
+            other = interval if self._step == 1 or interval > _LARGEST_STEP else 1
+            former = _withoutCounts(_makeHeader(topology, interval, other))
+
+            def normalize(data):
+                kept = _withoutCounts(data)
+                return _withoutCounts(header) if kept == former else kept
+
+            self.resume(output, len(header) + framesThere * self._frameSize, header, "trajectory", normalize)
         else:
             self.begin(output)
         try:
             if framesThere > 0:
-                for place in (_STEPS_PER_FRAME, _TIME_OF_A_STEP):
-                    self.replace(place, header[place : place + 4])
+                self.replace(0, header[:_TITLE])
                 self._setCounts(framesThere)
             else:
                 self.append(header)
@@ -144,10 +147,16 @@ def _unitCell(topology):
     return struct.pack("<i6di", 48, 10 * a, cosines[0], 10 * b, cosines[1], cosines[2], 10 * c, 48)
 
 
+def _makeHeader(topology, interval, step):
+    """Return the header of a DCD file without frames; step : trials per step."""
+    header = io.BytesIO()
+    openmm.app.DCDFile(header, topology, step * unit.picosecond, 0, interval // step)
+    return header.getvalue()
+
+
 def _withoutCounts(header):
-    """Return the header of a DCD file without the fields that frames and trials change, and without its date."""
+    """Return the header of a DCD file without the fields that each frame changes and without its date."""
     kept = bytearray(header)
-    fields = [(place, 4) for place in (_FRAME_COUNT, _LAST_STEP, _STEPS_PER_FRAME, _TIME_OF_A_STEP)]
-    for begin, length in (*fields, (_TITLE, _TITLE_LENGTH)):
+    for begin, length in ((_FRAME_COUNT, 4), (_LAST_STEP, 4), (_TITLE, _TITLE_LENGTH)):
         kept[begin : begin + length] = bytes(length)
     return kept
