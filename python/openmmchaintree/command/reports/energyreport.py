@@ -14,7 +14,7 @@ def describeEnergies(energies):
     return f"energy: {energies.model}; {'; '.join(parts)}"
 
 
-def summarizeEnergies(energies, along, stages, positions):
+def summarizeEnergies(energies, along, last, stages, positions):
     """Return a summary of the Energies of a run as plain dictionaries and lists.
 
     Parameters
@@ -23,11 +23,12 @@ def summarizeEnergies(energies, along, stages, positions):
         at the end
     along : list of float
         U of the initial frame and the later ones, kJ/mol
+    last : float
+        U at the end, kJ/mol
     stages : list
         of the RunState
     positions : (n, 3) float64 array, nm, the last ones
     """
-    held = energies.held()
     outer = energies.outerTests()
     total, parts = energies.byOpenMM(positions)
     return {
@@ -37,7 +38,7 @@ def summarizeEnergies(energies, along, stages, positions):
         "potentialEnergy": {
             "first": along[0],
             "mean": sum(along[1:]) / len(along[1:]) if len(along) > 1 else None,
-            "last": held,
+            "last": last,
             "lastByOpenMM": total,
         },
         "potentialEnergies": along,

@@ -38,7 +38,9 @@ def summarize(sampling, plan, state, index, *, seed, interrupted, endedBy, added
     energy = None
     if sampling.energies is not None:
         along = index["potentialEnergy"].tolist()
-        energy = summarizeEnergies(sampling.energies, along, state.stages, sampling.positions())
+        # Loading a checkpoint recomputes energies in single precision, which changes their last digits.
+        last = along[-1] if index["trials"][-1] == trials else sampling.energies.held()
+        energy = summarizeEnergies(sampling.energies, along, last, state.stages, sampling.positions())
     return {
         **describeScene(sampling, addedHydrogens),
         "seed": seed,
