@@ -52,7 +52,6 @@ def test_theJobRuns(words, tmp_path, monkeypatch, capsys):
 
 
 def test_theExamplesInPythonRun(tmp_path, monkeypatch):
-    pytest.importorskip("pdbfixer")
     (example,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
     shown, choice = (text for name, text in blocksOf("get-started.md") if name in ("README.md", "python"))
     assert shown == example
