@@ -367,7 +367,8 @@ def test_settingsOfTheUserStay(runHere, tmp_path):
     path = tmp_path / "run-settings.toml"
     path.write_text("# mine\n" + path.read_text())
     before = path.read_text()
-    assert runHere("--resume", "run.checkpoint", "--trials", 60).returncode == 0
+    result = runHere("--resume", "run.checkpoint", "--trials", 60, "--workers", 1)
+    assert result.returncode == 0 and "1 replica, 60 trials of each, by 1 worker in" in result.stdout
     assert path.read_text() == before and len(readDCD(tmp_path / "run-replica-0.dcd")) == 7
 
 
