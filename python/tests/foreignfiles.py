@@ -1,4 +1,5 @@
-"""Files of AMBER, GROMACS and CHARMM, written from a System of OpenMM that has bonds, angles, torsions and charges.
+"""Files of AMBER, GROMACS and CHARMM, written from a System of OpenMM that has bonds, angles, torsions and charges; SDF
+and Mol2.
 
 Each atom has its own type, so that types have any parameters.
 """
@@ -261,3 +262,34 @@ def writeCrd(path, atoms, positions):
         )
     path.write_text("\n".join([*lines, ""]))
     return path
+
+
+def orderOf(elements, first, second):
+    """The bonds of carbon and oxygen in the molecule are double."""
+    return 2 if {elements[first], elements[second]} == {"C", "O"} else 1
+
+
+def sdfOf(elements, bonds, *frames):
+    """Return the text of an SDF file of a molecule at some positions (Å)."""
+    text = ""
+    for positions in frames:
+        text += f"molecule\n  program\n\n{len(elements):3d}{len(bonds):3d}  0  0  0  0  0  0  0  0999 V2000\n"
+        for symbol, (x, y, z) in zip(elements, positions.tolist(), strict=True):
+            text += f"{x:10.4f}{y:10.4f}{z:10.4f} {symbol:<3} 0  0  0  0  0  0  0  0  0  0  0  0\n"
+        for first, second in bonds:
+            text += f"{first + 1:3d}{second + 1:3d}  {orderOf(elements, first, second)}  0\n"
+        text += "M  END\n> <NAME>\nvalue\n\n$$$$\n"
+    return text
+
+
+def mol2Of(elements, bonds, *frames, kinds=str, residue="LIG1"):
+    """Return the text of a Mol2 file; kinds : a function of elements that returns types."""
+    text = "# a comment\n"
+    for positions in frames:
+        text += f"@<TRIPOS>MOLECULE\nmolecule\n{len(elements)} {len(bonds)} 1 0 0\nSMALL\nNO_CHARGES\n\n@<TRIPOS>ATOM\n"
+        for i, (symbol, (x, y, z)) in enumerate(zip(elements, positions.tolist(), strict=True), 1):
+            text += f"{i:6d} {symbol}{i:<6} {x:.4f} {y:.4f} {z:.4f} {kinds(symbol)} 1 {residue} 0.0\n"
+        text += "@<TRIPOS>BOND\n"
+        for i, (first, second) in enumerate(bonds, 1):
+            text += f"{i} {first + 1} {second + 1} {orderOf(elements, first, second)}\n"
+    return text

@@ -9,7 +9,7 @@ import numpy as np
 import openmm
 import pytest
 from commands import assertRefused, filesIn
-from foreignfiles import Terms
+from foreignfiles import Terms, sdfOf
 from mdtraj.formats import DCDTrajectoryFile
 from openmm import app, unit
 from scenes import DIPEPTIDE, readDCD, writePDB
@@ -314,6 +314,8 @@ def test_files(here, peptide, tmp_path):
         ("a.pdb", "--system", "a.psf", "--parameters", "a.pdb"): "Unrecognized file type: a.pdb",
         ("a.gro", "--system", "include.top"): "types.itp",
         ("--system", "a.prmtop"): "a.prmtop: name the structure, too",
+        ("a.inpcrd", "--system", "a.prmtop", "--model", 1): "a.inpcrd: there is no model 1 (from 0)",
+        ("a.pdb", "--system", "a.prmtop", "--fix", "all"): "--fix 'all' leaves nothing that moves\n",
         ("a.inpcrd",): "a.inpcrd: there are no atoms; names of atoms are in another file, such as a prmtop",
         ("a.prmtop", "--system", "a.inpcrd"): "a.inpcrd: is no file of a System",
         ("a.inpcrd", "--system", "a.xml"): "a.inpcrd: has no names of atoms, which a.xml lacks, too",
@@ -391,3 +393,13 @@ def test_forces(here, peptide, tmp_path):
         (tmp_path / "f.xml").write_text(openmm.XmlSerializer.serialize(system))
         result = here("a.pdb", "--system", "f.xml")
         assertRefused(result, tmp_path, sorted({*filesIn(peptide.folder), "f.xml"}), "f.xml: ", words)
+
+
+def test_moleculeFile(here, peptide, tmp_path):
+    """The structure of a serialized System may be an SDF or Mol2 file, as force fields of small molecules have it."""
+    elements = [atom.element.symbol for atom in peptide.atoms]
+    bonds = [tuple(atom.index for atom in bond) for bond in peptide.topology.bonds()]
+    (tmp_path / "m.sdf").write_text(sdfOf(elements, bonds, 10 * peptide.positions))
+    first, last, byOpenMM, _ = energiesOf(here("m.sdf", "--system", "a.xml"), tmp_path)
+    assert first == pytest.approx(energyOf(peptide.system, peptide.positions), abs=0.01)
+    assert last == pytest.approx(byOpenMM, abs=1e-3) and last != first

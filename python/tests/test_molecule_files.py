@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from foreignfiles import mol2Of, sdfOf
 from openmmchaintree import InputError, findClashes
 from openmmchaintree.structures.structure import readModels, readStructure
 from scenes import DIPEPTIDE, readDCD, writePDB
@@ -17,35 +18,6 @@ def molecule(tmp_path_factory):
     elements = [atom.element.symbol for atom in structure.topology.atoms()]
     bonds = sorted(tuple(sorted(atom.index for atom in bond)) for bond in structure.topology.bonds())
     return path, elements, bonds, 10 * structure.positions
-
-
-def orderOf(elements, first, second):
-    """The bonds of carbon and oxygen in the molecule are double."""
-    return 2 if {elements[first], elements[second]} == {"C", "O"} else 1
-
-
-def sdfOf(elements, bonds, *frames):
-    text = ""
-    for positions in frames:
-        text += f"molecule\n  program\n\n{len(elements):3d}{len(bonds):3d}  0  0  0  0  0  0  0  0999 V2000\n"
-        for symbol, (x, y, z) in zip(elements, positions.tolist(), strict=True):
-            text += f"{x:10.4f}{y:10.4f}{z:10.4f} {symbol:<3} 0  0  0  0  0  0  0  0  0  0  0  0\n"
-        for first, second in bonds:
-            text += f"{first + 1:3d}{second + 1:3d}  {orderOf(elements, first, second)}  0\n"
-        text += "M  END\n> <NAME>\nvalue\n\n$$$$\n"
-    return text
-
-
-def mol2Of(elements, bonds, *frames, kinds=str, residue="LIG1"):
-    text = "# a comment\n"
-    for positions in frames:
-        text += f"@<TRIPOS>MOLECULE\nmolecule\n{len(elements)} {len(bonds)} 1 0 0\nSMALL\nNO_CHARGES\n\n@<TRIPOS>ATOM\n"
-        for i, (symbol, (x, y, z)) in enumerate(zip(elements, positions.tolist(), strict=True), 1):
-            text += f"{i:6d} {symbol}{i:<6} {x:.4f} {y:.4f} {z:.4f} {kinds(symbol)} 1 {residue} 0.0\n"
-        text += "@<TRIPOS>BOND\n"
-        for i, (first, second) in enumerate(bonds, 1):
-            text += f"{i} {first + 1} {second + 1} {orderOf(elements, first, second)}\n"
-    return text
 
 
 WRITERS = {"sdf": sdfOf, "mol2": mol2Of}

@@ -98,6 +98,8 @@ class GivenSystem(EnergySettings):
         if hasCoordinatesOnly(path):
             if self._isSerialized:
                 raise InputError(f"{path}: has no names of atoms, which {self._path} lacks, too: name a PDB file")
+            if model > 0:
+                raise InputError(f"{path}: there is no model {model} (from 0), but 1 in all")
             found, (positions, box), notes, alternates, spaceGroup = None, readCoordinates(path), [], [], ""
         else:
             models = readModels(path, model)

@@ -200,7 +200,7 @@ class Plan:
     def _whyNothingMoves(self, every, chosen, search):
         if chosen.torsions:
             notes = "; ".join(map(str, notesOnTorsions(search.leftOut, self._remedies)))
-            return f"--fix {self.choice.fix!r} leaves nothing that moves: {notes}"
+            return f"--fix {self.choice.fix!r} leaves nothing that moves" + (f": {notes}" if notes else "")
         if every.torsions:
             return f"--move {self.choice.move!r}: none of these atoms has a torsion ({', '.join(self.choice.kinds)})"
         notes = notesOnAlphaCarbons(self.graph)
