@@ -28,7 +28,8 @@ import openmm.app as app
 from openmm import unit
 from openmmchaintree import createStericExclusionForce, findTorsions
 from openmmchaintree.command.cli import main as runCommand
-from openmmchaintree.command.outputs.replicafiles import readIndex, trajectoryNames
+from openmmchaintree.command.outputs.indexfile import readIndex
+from openmmchaintree.command.outputs.replicafiles import trajectoryNames
 from openmmchaintree.replicas.checkpointfile import readCheckpoint
 
 FORCE_FIELD = ("amber14-all.xml", "implicit/gbn2.xml")

@@ -1,4 +1,4 @@
-"""Which module may import which: the command, replicas, statistics, structures, ensembles; the core below needs least."""
+"""Which module may import which: the command, replicas, statistics, structures, ensembles, and the core below."""
 
 import ast
 import re

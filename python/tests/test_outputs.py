@@ -17,9 +17,9 @@ from commands import assertRefused, filesIn
 from openmm import app
 from openmmchaintree.command import replicasample
 from openmmchaintree.command.outputs import output, outputfiles
+from openmmchaintree.command.outputs.dcdfile import DCDFile
 from openmmchaintree.command.outputs.output import Output, OutputError
 from openmmchaintree.command.outputs.outputfiles import Writing
-from openmmchaintree.command.outputs.trajectoryfile import TrajectoryFile
 from openmmchaintree.command.replicarun import ReplicaRun
 from openmmchaintree.errors import InputError
 from scenes import GLYCINES, readDCD, writePDB
@@ -356,7 +356,7 @@ def test_noRoomForTheFirstFrame(tmp_path):
     topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
     output = Output(str(tmp_path / "a.dcd"))
     with largestFile(300), pytest.raises(OutputError, match=r"^[^;]*a\.dcd: cannot be written \(File too large\)$"):
-        TrajectoryFile(output, topology, np.zeros((8, 3)), 1, 2)
+        DCDFile(output, topology, np.zeros((8, 3)), 1, 2)
     assert filesIn(tmp_path) == ["glycines.pdb"]
 
 
@@ -419,7 +419,7 @@ def test_interruptWithinAFrame(tmp_path, monkeypatch, bytesLeft):
     monkeypatch.setattr(output.io, "FileIO", _InterruptedFile)
     positions = np.random.default_rng(1).random((5, 8, 3))
     with pytest.raises(KeyboardInterrupt):
-        with TrajectoryFile(Output(str(tmp_path / "a.dcd")), topology, positions[0], 1, 10) as trajectory:
+        with DCDFile(Output(str(tmp_path / "a.dcd")), topology, positions[0], 1, 10) as trajectory:
             for frame in positions[1:]:
                 trajectory.write(frame)
     count = max(0, (bytesLeft - 276) // 120)
@@ -431,6 +431,6 @@ def test_interruptWithinAFrame(tmp_path, monkeypatch, bytesLeft):
 def test_moreTrialsThanADCDFileCanCount(tmp_path):
     topology = app.PDBFile(str(writePDB(tmp_path / "glycines.pdb", GLYCINES))).topology
     interval = 10**12
-    with TrajectoryFile(Output(str(tmp_path / "a.dcd")), topology, np.zeros((8, 3)), interval, 2) as trajectory:
+    with DCDFile(Output(str(tmp_path / "a.dcd")), topology, np.zeros((8, 3)), interval, 2) as trajectory:
         trajectory.write(np.ones((8, 3)))
     assert len(readDCD(tmp_path / "a.dcd")) == 2 and trajectory.interval == interval

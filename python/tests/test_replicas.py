@@ -8,7 +8,8 @@ import pytest
 from commands import assertRefused, filesIn
 from openmm import app, unit
 from openmmchaintree import TorsionMonteCarloIntegrator, createStericExclusionForce
-from openmmchaintree.command.outputs.replicafiles import readIndex, trajectoryNames
+from openmmchaintree.command.outputs.indexfile import readIndex
+from openmmchaintree.command.outputs.replicafiles import trajectoryNames
 from openmmchaintree.command.plan import DEFAULT_KINDS, Choice
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.replicas.segment import Segment, Stop, Workplace, makeModel
@@ -131,7 +132,7 @@ def test_exchange(runHere, tmp_path):
     assert kelvins == pytest.approx([300, 300 * np.sqrt(2), 600])
     rows = list(zip(*index.values(), strict=True))
     assert len(rows) == 3 * 12
-    for frame, _, replica, kelvin, energy, _ in rows:
+    for frame, _, replica, kelvin, energy, *_ in rows:
         number = np.searchsorted(kelvins, kelvin)
         assert np.array_equal(byTemperature[number, frame], byReplica[replica, frame])
         assert energy == pytest.approx(energyByOpenMM(tmp_path, byReplica[replica, frame]), abs=0.2)

@@ -95,6 +95,7 @@ positive = _wholeNumberIn(1, 10**15)
 notNegative = _wholeNumberIn(0, 10**15)
 frameCount = _wholeNumberIn(1, 10**9)  # limited by the headers of trajectories
 seed = _wholeNumberIn(1, 2**31 - 1)
+sampleSize = _wholeNumberIn(1, 10**5)
 
 
 def positiveUpTo(limit):

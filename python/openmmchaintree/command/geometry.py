@@ -1,4 +1,4 @@
-"""Dihedrals, radius of gyration, and lengths of bonds, computed from positions."""
+"""Dihedrals and lengths of bonds, computed from positions."""
 
 from typing import NamedTuple
 
@@ -20,12 +20,6 @@ def dihedrals(positions, particles):
     normal2 = np.cross(axis, fourth - third)
     sine = np.einsum("ij,ij->i", np.linalg.norm(axis, axis=1)[:, None] * (second - first), normal2)
     return np.arctan2(sine, np.einsum("ij,ij->i", normal1, normal2))
-
-
-def radiusOfGyration(positions, masses):
-    """Return the mass-weighted radius of gyration (nm) of n particles."""
-    centred = positions - np.average(positions, axis=0, weights=masses)
-    return float(np.sqrt(np.average((centred**2).sum(axis=1), weights=masses)))
 
 
 class BondVerdict(NamedTuple):

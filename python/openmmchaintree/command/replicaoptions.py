@@ -8,10 +8,12 @@ from ..replicas.ladder import REPLICAS, deriveSeeds, readLadder
 from ..replicas.schedule import Schedule
 from ..structures.limits import checkMemory
 from .arguments import addScheduler, checkWorkers, numberIn, positive, positiveUpTo, refuseWithout, usableCores
+from .outputs.trajectories import FORMATS
 
 _TRIALS_PER_EXCHANGE = 4000
 _TRIALS_PER_ROUND = 10000  # without exchange
 _CHECKPOINT_INTERVAL = 60.0  # s
+_FORMAT = "dcd"
 _BYTES_PER_ATOM = 24  # in a stored frame
 
 # Rounds of a single run end with a frame, unless there are more trials between frames, and hold few frames in memory.
@@ -31,6 +33,7 @@ class ReplicaChoice(NamedTuple):
     filesByTemperature : bool, whether each temperature has a trajectory, instead of each replica
     checkpointInterval : float, s
     scheduler : str, the address of a Dask scheduler whose workers run replicas, or None
+    format : str, of trajectories
     """
 
     isSingle: bool
@@ -41,6 +44,7 @@ class ReplicaChoice(NamedTuple):
     filesByTemperature: bool
     checkpointInterval: float
     scheduler: str | None
+    format: str
 
 
 def addCheckpointOptions(parser):
@@ -63,6 +67,15 @@ def addCheckpointOptions(parser):
         help="trials of each replica per round, without exchange; a run can be resumed only from the end of a round "
         f"(default: {_TRIALS_PER_ROUND}, or about that for a single run); longer rounds lower the load of a scheduler "
         "with many workers",
+    )
+
+
+def addFormat(parser):
+    """Add the option for the format of trajectories."""
+    parser.add_argument(
+        "--format",
+        choices=tuple(FORMATS),
+        help=f"the format of trajectories (default: {_FORMAT}); xtc rounds coordinates to 0.001 nm and takes less room",
     )
 
 
@@ -148,6 +161,7 @@ def readReplicaOptions(options):
         options.trajectories != "replica" if temperatures is not None else False,
         interval,
         options.scheduler,
+        options.format or _FORMAT,
     )
 
 

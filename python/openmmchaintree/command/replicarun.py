@@ -74,8 +74,8 @@ class ReplicaRun:
 
     def begin(self):
         """Begin the files, or open them to resume."""
-        byTemperature, round, isNew = self._choice.filesByTemperature, self.state.round, self._indexMark is None
-        self._files = ReplicaFiles(self._outputs, self.plan, byTemperature, self._sampling, round, self._indexMark)
+        round, isNew = self.state.round, self._indexMark is None
+        self._files = ReplicaFiles(self._outputs, self.plan, self._choice, self._sampling, round, self._indexMark)
         try:
             self._sync()
             self._save()

@@ -4,15 +4,21 @@ from contextlib import closing
 
 from ..notes import countOf
 from ..replicas.threads import ThreadReplicas
+from .convergence import estimateGroups
 from .ending import endRun, writeReports
+from .enoughsamples import EnoughSamples
+from .ladderweights import asTable, weighLadder
+from .outputs.indexfile import readIndex
 from .outputs.outputfiles import Writing, beginning
-from .outputs.replicafiles import readIndex, trajectoryNames
+from .outputs.replicafiles import trajectoryNames
 from .outputs.scenefiles import removeScene, renewSettings, writeScene
+from .outputs.trajectories import FORMATS
 from .replicaoptions import makePlan
 from .replicarun import NotedReport, ReplicaRun
 from .reports.planreport import printPlan
 from .runkinds import ManyReplicas, SingleRun
 from .savedrun import FREE_SETTINGS, REPORTS
+from .series import readSeries
 from .stopping import Stopping
 
 _TRAJECTORY = "trajectory "
@@ -22,10 +28,11 @@ def namesOfRun(prefix, choice):
     """Return the names of the files that grow during the run of a ReplicaChoice, and of its checkpoint, by kind."""
     checkpoint = f"{prefix}.checkpoint"
     if choice.isSingle:
-        return {f"{_TRAJECTORY}0": f"{prefix}.dcd", "index": f"{prefix}.csv", "checkpoint": checkpoint}
-    names = trajectoryNames(prefix, choice.replicas, choice.temperatures, choice.filesByTemperature)
+        return {f"{_TRAJECTORY}0": f"{prefix}.{choice.format}", "index": f"{prefix}.csv", "checkpoint": checkpoint}
+    names = trajectoryNames(prefix, choice.replicas, choice.temperatures, choice.filesByTemperature, choice.format)
     numbered = {f"{_TRAJECTORY}{number}": name for number, name in enumerate(names)}
-    return {"index": f"{prefix}-index.csv", "checkpoint": checkpoint, **numbered}
+    weights = {} if choice.temperatures is None else {"weights": f"{prefix}-weights.csv"}
+    return {"index": f"{prefix}-index.csv", "checkpoint": checkpoint, **numbered, **weights}
 
 
 def sampleReplicas(prepared, choice, saved):
@@ -49,7 +56,10 @@ def _sampleBy(workers, model, prepared, choice, saved):
     trajectories = [output for kind, output in outputs.items() if kind.startswith(_TRAJECTORY)]
     files = {"trajectories": trajectories, "index": outputs["index"], "checkpoint": outputs["checkpoint"]}
     plan = makePlan(choice, options, energyModel, seed, len(sampling.structure.positions))
-    run = ReplicaRun(sampling, plan, choice, Stopping(options.time), settings, files, model, workers)
+    conditions = []
+    if options.until_ess is not None:
+        conditions.append(EnoughSamples(options.until_ess, sampling, choice, outputs["index"], trajectories))
+    run = ReplicaRun(sampling, plan, choice, Stopping(options.time, conditions), settings, files, model, workers)
     if saved is not None:
         run.goOn(saved)
     writing = Writing()
@@ -64,6 +74,8 @@ def _sampleBy(workers, model, prepared, choice, saved):
         index = readIndex(outputs["index"].path)
         kind = SingleRun(run, sampling) if choice.isSingle else ManyReplicas(run, sampling, choice.workers)
         summary = kind.summarize(index, seed=seed, addedHydrogens=added)
+        series = readSeries(sampling, plan, index, [file.path for file in trajectories], choice.filesByTemperature)
+        summary["estimates"] = estimateGroups(series, sampling.torsions, FORMATS[choice.format].resolution)
         written = ["topology", "settings", "index", "checkpoint"]
         writing.files = [
             *(outputs[kind].name for kind in written if kind in outputs),
@@ -72,6 +84,9 @@ def _sampleBy(workers, model, prepared, choice, saved):
         reports = {kind: NotedReport(outputs[kind], run) for kind in REPORTS if kind in outputs}
         if summary["frames"] > 1:
             writing.write(reports["picture"], lambda output: kind.savePicture(output, summary, index, trajectories))
+        if plan.isExchange:
+            summary["atLowestTemperature"], *weighed = weighLadder(series, summary["estimates"])
+            writing.write(reports["weights"], lambda output: output.write(asTable(index, *weighed)))
         summary["files"] = writing.files
         writeReports(writing, reports, sampling.notes, summary)
     finally:

@@ -1,7 +1,7 @@
 """The two kinds of runs, of one replica and of many: their results, pictures and reports."""
 
 from .forbidden import measureForbidden
-from .outputs.trajectoryfile import readPositions
+from .outputs.trajectories import readPositions
 from .pictures import savePicture
 from .reports import replicareport, samplereport
 from .terminal import interruptFlag

@@ -21,7 +21,7 @@ from .outputs.outputfiles import addOverwrite, checkOutputs
 from .plan import DEFAULT_KINDS, Choice, selectByOption
 from .preparing.minimizing import minimizeStructure
 from .preparing.preparation import prepareStructure
-from .replicaoptions import addCheckpointOptions, addReplicaOptions, readReplicaOptions
+from .replicaoptions import addCheckpointOptions, addFormat, addReplicaOptions, readReplicaOptions
 from .replicasample import namesOfRun, sampleReplicas
 from .reports.noteoutput import addNotes, asText
 from .sampling import Sampling
@@ -97,6 +97,7 @@ def addArguments(sample):
     sample.add_argument(
         "-o", "--output", metavar="PREFIX", help="prefix of output file names (default: the structure's name)"
     )
+    addFormat(sample)
     sample.add_argument(
         "--json",
         metavar="FILE",

@@ -15,13 +15,14 @@ from ..movescene import MoveScene
 from ..naming import nameAtom
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..replicas.segment import makeModel
+from ..shape import Shape
 from ..sterics import makeForce
 from . import allpairs
 from .energies import Energies
 from .energymodel import HARD, OFF, repeatablePlatform
 from .fixedparticles import fixParticles
 from .flexible import addAtomMove, findScales
-from .geometry import BondLengths, dihedrals, radiusOfGyration
+from .geometry import BondLengths, dihedrals
 from .plan import Choice, Plan
 
 
@@ -83,6 +84,8 @@ class Sampling:
         in the order of the integrator's moves
     startOverlaps : allpairs.Overlaps
         computed without the engine
+    shape : Shape
+        of the moving molecules
     startEnergy : float or None
         U at the start, kJ/mol; None for hard spheres alone
     energies : Energies or None
@@ -121,6 +124,7 @@ class Sampling:
         masses = {element: element.mass.value_in_unit(unit.dalton) for element in set(elements) - {None}}
         masses[None] = 0.0
         self._masses = np.array([masses[element] for element in elements])
+        self.shape = Shape(structure.topology, structure.positions, self._masses, plan.inMovingMolecules)
         temperature = 300.0 if energyModel is None else energyModel.temperature
         self.integrator = TorsionMonteCarloIntegrator(temperature * unit.kelvin)
         self.integrator.setRandomNumberSeed(seed)
@@ -226,11 +230,6 @@ class Sampling:
     def checkBonds(self, positions):
         """Compare bond lengths at positions with the start: a BondVerdict."""
         return self._bonds.compare(positions)
-
-    def radiusOfGyration(self, positions):
-        """Return the radius of gyration (nm) of the moving molecules."""
-        atoms = self.plan.inMovingMolecules
-        return radiusOfGyration(positions[atoms], self._masses[atoms])
 
     def takeUp(self, checkpoint):
         """Load the checkpoint of a replica of this run; None is the start."""

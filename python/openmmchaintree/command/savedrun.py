@@ -11,10 +11,10 @@ from ..replicas.schedule import Schedule
 from .outputs.outputfiles import checkOutputs
 
 # The kinds of outputs that are written at the end.
-REPORTS = ("picture", "notes", "json")
+REPORTS = ("picture", "weights", "notes", "json")
 
 # Settings that a resumed run may change.
-FREE_SETTINGS = ("workers", "time", "checkpoint-interval", "json", "notes")
+FREE_SETTINGS = ("workers", "time", "until-ess", "checkpoint-interval", "json", "notes")
 
 _VERSION_WITHOUT_HISTORY = 2
 

@@ -5,7 +5,8 @@ from time import monotonic
 from typing import Protocol
 
 from ..errors import InputError
-from .arguments import duration, frameCount, positive
+from ..statistics.estimates import LARGEST_RHAT
+from .arguments import duration, frameCount, positive, sampleSize
 
 _TRIALS, _FRAMES = 100000, 200  # by default
 
@@ -16,7 +17,7 @@ _UNLIMITED = 10**12  # and more
 _MOST_TRIALS, _MOST_FRAMES = 10**15, 10**9
 
 # Conditions are asked after rounds of the run whose numbers grow by this factor, so that asking takes little of a run.
-_GROWTH = 1.05
+_GROWTH = 1.2
 
 
 class StopCondition(Protocol):
@@ -46,7 +47,7 @@ def addStopping(parser):
         "--trials",
         type=positive,
         metavar="N",
-        help=f"number of trials, such as 1e6 (default: {_TRIALS}; no limit with --time)",
+        help=f"number of trials, such as 1e6 (default: {_TRIALS}; no limit with --time or --until-ess)",
     )
     parser.add_argument(
         "--time",
@@ -54,6 +55,13 @@ def addStopping(parser):
         metavar="TIME",
         help="end the run after this time, such as 30min, 1.5h or 90 (seconds), at the end of a round; --resume "
         "continues it, for the same time unless another one is given",
+    )
+    parser.add_argument(
+        "--until-ess",
+        type=sampleSize,
+        metavar="N",
+        help="end the run when the least effective sample size of energy, shapes and torsions is N, and R-hat at most "
+        f"{LARGEST_RHAT}; with --temperatures, those at the lowest",
     )
     parser.add_argument(
         "--frames", type=frameCount, metavar="N", help=f"frames to write after the start (default: {_FRAMES})"
@@ -74,7 +82,7 @@ def settleTrials(options):
     InputError
         if an option contradicts another one
     """
-    isLimited = options.trials is not None or options.time is None
+    isLimited = options.trials is not None or (options.time is None and options.until_ess is None)
     if options.frames is not None and options.trials_per_frame is not None:
         raise InputError("--frames and --trials-per-frame cannot be used together")
     if not isLimited:

@@ -1,8 +1,6 @@
 """R-hat: whether parts of a simulation that should agree do agree."""
 
 import numpy as np
-from scipy.special import ndtri
-from scipy.stats import rankdata
 
 
 def splitRhat(chains):
@@ -29,6 +27,9 @@ def splitRhat(chains):
 
 
 def _normalScores(halves):
+    from scipy.special import ndtri  # SciPy takes long to import
+    from scipy.stats import rankdata
+
     ranks = rankdata(halves).reshape(halves.shape)
     return ndtri((ranks - 0.375) / (ranks.size + 0.25))
 

@@ -1,105 +1,22 @@
 """The files that grow during a run: trajectories, and an index of their frames."""
 
-import csv
-import io
-import zlib
 from contextlib import ExitStack
 
-import numpy as np
-
-from ...errors import InputError
-from .growingfile import GrowingFile
-from .trajectoryfile import TrajectoryFile
-
-_COLUMNS = ("frame", "trials", "replica", "temperature", "potentialEnergy", "radiusOfGyration")
+from .indexfile import IndexFile, IndexRow
+from .trajectories import FORMATS
 
 
-def trajectoryNames(prefix, replicas, temperatures, byTemperature):
-    """Return the names of the trajectories of `replicas` replicas, or of temperatures (K)."""
+def trajectoryNames(prefix, replicas, temperatures, byTemperature, form="dcd"):
+    """Return the names of the trajectories of `replicas` replicas, or of temperatures (K), in a format."""
     if not byTemperature:
         width = len(str(replicas - 1))
-        return [f"{prefix}-replica-{replica:0{width}}.dcd" for replica in range(replicas)]
+        return [f"{prefix}-replica-{replica:0{width}}.{form}" for replica in range(replicas)]
     for digits in range(10):
         names = [f"{temperature:.{digits}f}" for temperature in temperatures]
         isExact = all(float(name) == temperature for name, temperature in zip(names, temperatures, strict=True))
         if isExact or digits >= 1 and len({*names}) == len(names):
             break
-    return [f"{prefix}-{name}K.dcd" for name in names]
-
-
-class IndexFile(GrowingFile):
-    """A table (CSV) of all frames of all replicas, sorted by frame, then by replica.
-
-    Frames and replicas are numbered from 0; frame 0 is the start. Energies are in kJ/mol, lengths in nm.
-    """
-
-    def __init__(self, output, mark=None, rows=0):
-        """Begin the file of an Output, or resume it at a mark, after `rows` rows."""
-        header = _asLine(_COLUMNS).encode()
-        if mark is not None:
-            size, self._checksum = mark
-            if output.path.is_file() and _linesIn(output.path, size) != 1 + rows:
-                raise InputError(f"{output.name}: is not the index that the run has written")
-            self.resume(output, size, header, "index", checksum=self._checksum)
-            return
-        self.begin(output)
-        self._checksum = 0
-        try:
-            self.append(header)
-        except BaseException:
-            self.close()
-            raise
-
-    @property
-    def mark(self):
-        """The number of complete bytes, and their `zlib.crc32`."""
-        return self.size, self._checksum
-
-    def write(self, rows):
-        """Add rows, each a sequence of column values."""
-        self.append("".join(map(_asLine, rows)).encode())
-
-    def append(self, data):
-        """Add bytes, and count them in the checksum."""
-        super().append(data)
-        self._checksum = zlib.crc32(data, self._checksum)
-
-
-def _linesIn(path, size):
-    """Return the number of lines in the first `size` bytes of a file."""
-    lines = 0
-    with open(path, "rb") as file:
-        while size > 0 and (piece := file.read(min(size, 1 << 20))):
-            lines += piece.count(b"\n")
-            size -= len(piece)
-    return lines
-
-
-def _asLine(values):
-    line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(["" if value is None else value for value in values])
-    return line.getvalue()
-
-
-def readIndex(path):
-    """Return the columns of an index as a dictionary of arrays; empty cells are NaN.
-
-    Raises
-    ------
-    InputError
-        if it is not an index
-    """
-    orNaN = dict.fromkeys(range(3, len(_COLUMNS)), lambda text: float(text or "nan"))
-    try:
-        columns = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2, converters=orNaN, encoding="utf-8").T
-        if len(columns) != len(_COLUMNS):
-            raise ValueError("the number of columns is wrong")
-    except ValueError as error:
-        raise InputError(f"{path}: is no index of frames ({error})") from error
-    return {
-        name: column.astype(int) if number < 3 else column
-        for number, (name, column) in enumerate(zip(_COLUMNS, columns, strict=True))
-    }
+    return [f"{prefix}-{name}K.{form}" for name in names]
 
 
 class ReplicaFiles:
@@ -111,7 +28,7 @@ class ReplicaFiles:
     index : IndexFile
     """
 
-    def __init__(self, outputs, plan, byTemperature, start, round=0, indexMark=None):
+    def __init__(self, outputs, plan, choice, start, round=0, indexMark=None):
         """Begin all files with the start, or resume them at the beginning of a round. On failure, remove new files.
 
         Parameters
@@ -119,8 +36,7 @@ class ReplicaFiles:
         outputs : dict
             "index": an Output; "trajectories": a list of them
         plan : RunPlan
-        byTemperature : bool
-            whether each temperature has a trajectory, instead of each replica
+        choice : ReplicaChoice
         start : Sampling
             at its start
         round : int
@@ -128,7 +44,7 @@ class ReplicaFiles:
             the mark of the index when that round began; None for a new run
         """
         self._plan = plan
-        self._byTemperature = byTemperature
+        self._byTemperature = choice.filesByTemperature
         self._start = start
         self._rows = {}
         self.trajectories = []
@@ -139,14 +55,12 @@ class ReplicaFiles:
         self._nextFrame = max(1, frames)
         try:
             for output in outputs["trajectories"]:
-                expected = 1 + schedule.frames
-                self.trajectories.append(
-                    TrajectoryFile(output, topology, positions, schedule.interval, expected, frames)
-                )
-            self.index = IndexFile(outputs["index"], indexMark, frames * len(plan.seeds))
+                place = schedule.interval, 1 + schedule.frames, frames
+                self.trajectories.append(FORMATS[choice.format](output, topology, positions, *place))
+            begin = [self._row(0, *place, positions, start.startEnergy) for place in self._startPlaces()]
+            self.index = IndexFile(outputs["index"], choice.isSingle, begin[0], indexMark, frames * len(plan.seeds))
             if isNew:
-                energy = start.startEnergy
-                self.index.write([self._row(0, *place, positions, energy) for place in self._startPlaces()])
+                self.index.write(begin)
         except BaseException:
             self.close()
             if isNew:
@@ -162,7 +76,9 @@ class ReplicaFiles:
     def add(self, frame, replica, temperature, kept):
         """Add a KeptFrame of a replica, which has the temperature of this number."""
         self.trajectories[temperature if self._byTemperature else replica].write(kept.positions)
-        self._rows.setdefault(frame, {})[replica] = self._row(frame, replica, temperature, kept.positions, kept.energy)
+        attempted, _, _, accepted = kept.counts.sum(axis=0).tolist()
+        row = self._row(frame, replica, temperature, kept.positions, kept.energy, attempted, accepted)
+        self._rows.setdefault(frame, {})[replica] = row
         while len(self._rows.get(self._nextFrame, ())) == len(self._plan.seeds):
             rows = self._rows.pop(self._nextFrame)
             self.index.write([rows[replica] for replica in sorted(rows)])
@@ -195,7 +111,7 @@ class ReplicaFiles:
         count = len(self._plan.seeds)
         return [(replica, replica if self._plan.isExchange else 0) for replica in range(count)]
 
-    def _row(self, frame, replica, temperature, positions, energy):
-        radius = self._start.radiusOfGyration(positions)
+    def _row(self, frame, replica, temperature, positions, energy, attempted=0, accepted=0):
         kelvin = None if energy is None else self._plan.temperatures[temperature]
-        return frame, self._plan.schedule.trialsOfFrame(frame), replica, kelvin, energy, radius
+        trials, shape = self._plan.schedule.trialsOfFrame(frame), self._start.shape.measure(positions)
+        return IndexRow(frame, trials, replica, kelvin, energy, shape, attempted, accepted)

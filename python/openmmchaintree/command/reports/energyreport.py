@@ -1,6 +1,6 @@
 """The energies of a run, as tables for people and as JSON for programs, in kJ/mol."""
 
-from .tables import makeTable, percent
+from .tables import alignedLines, makeTable, percent
 
 
 def describeEnergies(energies):
@@ -73,16 +73,13 @@ def printEnergies(summary, console):
 
 
 def _forceLines(forces):
-    """Return a line for each Force: a table without a limit on its width, since reasons are long."""
+    """Return a line for each Force, after a heading; reasons are long."""
     energies = ["–" if force["energy"] is None else f"{force['energy']:,.1f}" for force in forces]
     rows = [("force", "kJ/mol", "evaluated", "because")]
     rows += [
         (force["name"], energy, force["kind"], force["reason"]) for force, energy in zip(forces, energies, strict=True)
     ]
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    return [
-        f"{name:<{widths[0]}}  {energy:>{widths[1]}}  {kind:<{widths[2]}}  {why}" for name, energy, kind, why in rows
-    ]
+    return alignedLines(rows, (False, True, False, False))
 
 
 def _stageTable(stages):

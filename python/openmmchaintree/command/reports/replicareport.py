@@ -4,6 +4,7 @@ import numpy as np
 
 from ...notes import countOf
 from ..energymodel import HARD
+from .convergencereport import printEstimates
 from .samplereport import (
     describeBondChange,
     describeMoves,
@@ -131,6 +132,8 @@ def printReplicaReport(summary, console, isVerbose):
     if summary["roundTrips"] is not None:
         trips = countOf(sum(summary["roundTrips"]), "round trip")
         console.print(f"{trips} between the lowest temperature and the highest")
+    if summary["frames"] > 1:
+        printEstimates(summary["estimates"][0], console, summary.get("atLowestTemperature"))
     _printEnds(summary, console)
     number = summary["frames"]
     frames = f"{number:,} frames each, the first of them the start" if number > 1 else "a single frame each, the start"
@@ -140,7 +143,8 @@ def printReplicaReport(summary, console, isVerbose):
 def _temperatureTable(summary):
     """Make a table with a row for each temperature."""
     hasOuterTests = any(temperature["outerTests"]["attempted"] for temperature in summary["temperatures"])
-    headings = ["U (kJ/mol)", "±", "nm", "accepted %", *(["outer tests kept %"] if hasOuterTests else [])]
+    headings = ["U (kJ/mol)", "±", "nm", "sample size", "accepted %"]
+    headings += ["outer tests kept %"] if hasOuterTests else []
     table = makeTable(["K"], [*headings, *(["exchanged with the next %"] if summary["exchanges"] else [])])
     for number, temperature in enumerate(summary["temperatures"]):
         energy, radius, outer = (temperature[key] for key in ("potentialEnergy", "radiusOfGyration", "outerTests"))
@@ -150,6 +154,7 @@ def _temperatureTable(summary):
             _format(energy["mean"], ",.1f"),
             _format(energy["standardDeviation"], ",.1f"),
             _format(radius["mean"], ".3f"),
+            _format(summary["estimates"][number]["leastSampleSize"], ",.0f"),
             percent(accepted, attempted),
         ]
         if hasOuterTests:

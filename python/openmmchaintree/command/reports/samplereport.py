@@ -7,6 +7,7 @@ from ...notes import countOf
 from ...openmmchaintree import MoveStatistics
 from ...torsions import KINDS
 from ..energymodel import HARD
+from .convergencereport import printEstimates
 from .energyreport import printEnergies, summarizeEnergies
 from .noteoutput import asPlain, printNotes
 from .planreport import describePlan
@@ -143,6 +144,8 @@ def printReport(summary, console, isVerbose):
     printEnding(summary, console)
     if summary["energy"] is not None:
         printEnergies(summary["energy"], console)
+    if summary["frames"] > 1:
+        printEstimates(summary["estimates"][0], console)
     _printVerdict(summary, console)
     count = summary["frames"]
     frames = f"{count:,} frames, the first of them the start" if count > 1 else "a single frame, the start"
