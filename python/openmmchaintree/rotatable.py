@@ -2,6 +2,7 @@
 
 from openmm import app
 
+from .graphs import ringBonds
 from .templates import isStandard, standardName, templateOrders
 
 ROTATABLE = "rotatable"
@@ -31,6 +32,7 @@ class RotatableBonds:
 
     def __init__(self, graph, topology):
         self._graph = graph
+        self._inRings = ringBonds(graph.neighbors)
         self._orders = {}
         for bond in topology.bonds():
             order = _AROMATIC if bond.type is app.topology.Aromatic else bond.order or _ORDERS.get(bond.type)
@@ -60,17 +62,18 @@ class RotatableBonds:
     def _isConjugated(self, carbon, other):
         """Whether a bond is one from a carbon with a double bond to N, O or S, to N, O or S, as in amides and esters.
 
-        None if that is unknown.
+        None if that is unknown. Double bonds in rings do not count: they may be those of an aromatic ring.
         """
-        numbers = self._graph.numbers
+        numbers, neighbors = self._graph.numbers, self._graph.neighbors
         if numbers[carbon] != _CARBON or numbers[other] not in _HETEROATOMS:
             return False
-        beside = [atom for atom in self._graph.neighbors[carbon] if atom != other and numbers[atom] in _HETEROATOMS]
+        beside = [atom for atom in neighbors[carbon] if atom != other and numbers[atom] in _HETEROATOMS]
+        beside = [atom for atom in beside if (min(carbon, atom), max(carbon, atom)) not in self._inRings]
         orders = [self._orderOf(carbon, atom) for atom in beside]
         return True if 2 in orders else None if None in orders else False
 
     def _orderOf(self, first, second):
-        """Return the order of a bond, 1.5 in aromatic rings; None if it is unknown."""
+        """Return the order of a bond, None if it is unknown."""
         given = self._orders.get(frozenset((first, second)))
         if given is not None:
             return given

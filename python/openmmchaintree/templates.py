@@ -81,7 +81,7 @@ def _dictionaryBonds(residueName):
 def templateOrders(residueName, atomNames):
     """Return the orders of the bonds of a residue by pairs of names, a frozenset each; {} for an unknown residue.
 
-    1, 2, 3, or 1.5 in aromatic rings. A residue is known if the chemical component dictionary has its name and the
+    1, 2 or 3, of one Kekulé formula. A residue is known if the chemical component dictionary has its name and the
     names of all its atoms except hydrogens.
 
     Parameters
@@ -96,10 +96,8 @@ def templateOrders(residueName, atomNames):
 
 
 def _orderOf(bondType):
-    """Return the order of biotite's type of a bond; None for those without one."""
-    if "AROMATIC" in bondType.name:
-        return 1.5
-    return {"SINGLE": 1, "DOUBLE": 2, "TRIPLE": 3}.get(bondType.name)
+    """Return the order of biotite's type of a bond, in aromatic rings that of one Kekulé formula; None without one."""
+    return {"SINGLE": 1, "DOUBLE": 2, "TRIPLE": 3}.get(bondType.name.removeprefix("AROMATIC_"))
 
 
 def mayBeHydrogen(name):

@@ -10,7 +10,7 @@ from peptides import makePeptides
 from scenes import pdbLine, writePDB
 
 # Components of the dictionary, and the number of their rotatable bonds by RDKit.
-_COUNTS = {"IBP": 4, "TYL": 1, "AIN": 2, "BNZ": 0, "BTN": 5, "PLM": 14}
+_COUNTS = {"IBP": 4, "TYL": 1, "AIN": 2, "BNZ": 0, "BTN": 5, "PLM": 14, "STI": 7}
 
 
 def moleculeOf(code, name=None, orders=False):
