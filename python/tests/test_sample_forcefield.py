@@ -12,11 +12,11 @@ import openmm
 import pytest
 from commands import VILLIN_FILES, assertRefused, filesIn
 from openmm import app, unit
-from openmmchaintree.command.energies import Energies
 from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.forbidden import measureForbidden
 from openmmchaintree.command.sampling import Sampling
 from openmmchaintree.command.terminal import Interrupts
+from openmmchaintree.replicas import segment
 from openmmchaintree.structures.structure import readStructure
 from scenes import GLYCINES, readDCD, realStructurePath, writePDB
 
@@ -459,8 +459,8 @@ def test_fixedAtomsStay(runHere, tmp_path):
 
 def test_aWrongEnergyWouldBeSeen(runHere, monkeypatch):
     """Were the energy that is held wrong, the comparison with OpenMM would say so."""
-    honest = Energies.held
-    monkeypatch.setattr(Energies, "held", lambda energies: honest(energies) + 7)
+    honest = segment._Replica._energy
+    monkeypatch.setattr(segment._Replica, "_energy", lambda replica: honest(replica) + 7)
     result = runHere("--forcefield", PROTEIN, "--trials", 10)
     assert "OpenMM's Reference platform differs there by 7" in result.stdout
 
