@@ -10,6 +10,7 @@ from openmmchaintree.command.preparing import segments
 from openmmchaintree.command.preparing.minimizing import minimizeStructure
 from openmmchaintree.command.preparing.preparation import prepareStructure
 from openmmchaintree.errors import InputError
+from openmmchaintree.selection import selectAtoms
 from openmmchaintree.structures.sequencegaps import findSequenceGaps
 from openmmchaintree.structures.structure import readStructure
 from peptides import linesOf, makePeptides
@@ -237,12 +238,14 @@ def test_minimizeNeedsAForceField(runCommandHere, tmp_path):
     assertRefused(runCommandHere("sample", "--minimize"), tmp_path, [], "--minimize", "--forcefield")
 
 
-def test_aLigandIsNamedWithTheOptionThatLeavesItOut(runCommandHere, tmp_path, villin):
+@pytest.mark.parametrize(("name", "selection"), [("LIG", "resname LIG"), ("2PN", "resname '2PN'")])
+def test_aLigandIsNamedWithTheOptionThatLeavesItOut(runCommandHere, tmp_path, villin, name, selection):
     lines = heavyLines(villin)
-    ligand = [pdbLine(900 + n, f"C{n}", "LIG", "B", 1, -20 + 1.5 * n, -20, -20, record="HETATM") for n in range(3)]
+    ligand = [pdbLine(900 + n, f"C{n}", name, "B", 1, -20 + 1.5 * n, -20, -20, record="HETATM") for n in range(3)]
     structure = writePDB(tmp_path / "ligand.pdb", [*lines, "TER", *ligand])
     result = runCommandHere("sample", structure, "--prepare", "--forcefield", PROTEIN)
-    assertRefused(result, tmp_path, filesIn(tmp_path), "B:LIG 1", '--leave-out "resname LIG"')
+    assertRefused(result, tmp_path, filesIn(tmp_path), f"B:{name} 1", f'--leave-out "{selection}"')
+    assert len(selectAtoms(readStructure(structure).topology, selection)) == 3
 
 
 def test_atomsAtMetalsGetNoHydrogen(tmp_path):

@@ -82,7 +82,9 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
 def _selection(found):
     """Return a selection of residues by name; an example if there are many names."""
     names = list(dict.fromkeys(residue.name for residue, _ in found))
-    return " or ".join(f"resname {name}" for name in (names if len(names) <= _LONGEST_SELECTION else names[:1]))
+    names = names if len(names) <= _LONGEST_SELECTION else names[:1]
+    # The language takes a name that begins with a digit for a number unless it is in quotes.
+    return " or ".join(f"resname {name}" if name.isidentifier() else f"resname '{name}'" for name in names)
 
 
 def firstSentence(error):
