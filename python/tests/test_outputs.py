@@ -289,12 +289,19 @@ def test_standardOutputIsFull(tmp_path, options):
 
 
 @needsFullDevice
-@pytest.mark.parametrize("name", ["run.dcd", "run-topology.pdb"])
-def test_noRoomForTheTrajectory(runHere, tmp_path, name):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("run.dcd", "is no file, but a run reads its trajectory, table and checkpoint again"),
+        ("run.csv", "is no file, but a run reads"),
+        ("run.checkpoint", "is no file, but a run reads"),
+        ("run-topology.pdb", f"cannot be written ({NO_SPACE})\n"),
+    ],
+)
+def test_noRoomForTheTrajectory(runHere, tmp_path, name, words):
     (tmp_path / name).symlink_to(FULL)
     result = runHere("sample", "--trials", 100)
-    message = f"openmm-chaintree: {name}: cannot be written ({NO_SPACE})\n"
-    assertRefused(result, tmp_path, sorted([name, STRUCTURE]), message)
+    assertRefused(result, tmp_path, sorted([name, STRUCTURE]), f"openmm-chaintree: {name}: {words}")
     assert (tmp_path / name).is_symlink()
 
 
