@@ -88,13 +88,13 @@ def test_anotherXTCIsNotResumed(runHere, tmp_path, change):
 @pytest.mark.parametrize("form", FORMATS)
 @pytest.mark.parametrize("atoms", [8, 20])
 def test_framesAreReadBack(tmp_path, form, atoms):
-    """With few atoms XTC does not compress."""
+    """With few atoms XTC does not compress. Names need not be ASCII."""
     topology = app.Topology()
     residue = topology.addResidue("ALA", topology.addChain())
     for _ in range(atoms):
         topology.addAtom("CA", None, residue)
     positions = 3 * np.random.default_rng(1).random((7, atoms, 3))
-    output = Output(str(tmp_path / f"a.{form}"))
+    output = Output(str(tmp_path / f"é 1.{form}"))
     with FORMATS[form](output, topology, positions[0], 10, 7) as trajectory:
         for frame in positions[1:]:
             trajectory.write(frame)

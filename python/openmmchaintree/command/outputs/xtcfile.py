@@ -6,10 +6,9 @@ import tempfile
 
 import numpy as np
 from openmm import unit
-from openmm.app.internal.xtc_utils import xtc_write_frame
+from openmm.app.internal.xtc_utils import read_xtc, xtc_write_frame
 
 from ...errors import InputError
-from ...extras import importExtra
 from .output import OutputError
 from .trajectoryfile import TrajectoryFile
 
@@ -65,11 +64,13 @@ class XTCFile(TrajectoryFile):
     @staticmethod
     def read(path, topology, frames, step):
         """Yield positions, as `readPositions` does."""
-        formats = importExtra("mdtraj.formats", "reading trajectories")
-        with formats.XTCTrajectoryFile(str(path)) as file:
-            for frame in range(0, frames, step):
-                file.seek(frame)
-                yield file.read(n_frames=1)[0][0].astype(float)
+        ends = _endsOfFrames(path, frames)
+        with open(path, "rb") as file, tempfile.TemporaryDirectory() as folder:
+            for begin, end in list(zip([0, *ends], ends, strict=False))[::step]:
+                file.seek(begin)
+                with open(os.path.join(folder, "frame.xtc"), "wb") as frame:  # the reader takes a whole file
+                    frame.write(file.read(end - begin))
+                yield read_xtc(frame.name.encode())[0][:, :, 0].astype(float)
 
 
 def isXTC(path):
