@@ -88,7 +88,8 @@ def test_realMicroheterogeneity(name, residue, kept):
     assert len(labels) == 1 and labels != {""}
     if name.startswith("3JQH"):
         positions = structure.positions
-        Sampling(structure, 1).integrator.step(1)
+        sampling = Sampling(structure, 1)
+        sampling.integrator.step(1)
         assert np.array_equal(positions, structure.positions)
 
 
