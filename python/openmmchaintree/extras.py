@@ -2,6 +2,8 @@
 
 import importlib
 
+_EXTRAS = {"dask": "cluster", "distributed": "cluster", "jinja2": "report", "molstar_cli": "report"}
+
 
 def importExtra(module, purpose, raising=ImportError):
     """Import and return a module of a package that the core does not need.
@@ -20,5 +22,5 @@ def importExtra(module, purpose, raising=ImportError):
 def adviceOn(module, purpose, error):
     """Return the sentence that says why a module is needed, why it cannot be imported, and how to install it."""
     package = module.partition(".")[0]
-    extra = "cluster" if package in ("dask", "distributed") else "tools"
+    extra = _EXTRAS.get(package, "tools")
     return f"{purpose} needs {package}, which cannot be imported ({error}): pip install 'openmm-chaintree[{extra}]'"

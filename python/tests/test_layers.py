@@ -200,7 +200,7 @@ def requirements(table, names):
 
 def test_anExtraHasEachPackage():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
-    extras = requirements(project["project"]["optional-dependencies"], ("tools", "cluster"))
+    extras = requirements(project["project"]["optional-dependencies"], ("tools", "report", "cluster"))
     assert extras <= requirements(project["dependency-groups"], ("tools",))
     assert project["tool"]["scikit-build"]["metadata"]["dependencies"]["others"] == ["numpy"]
     names = {re.match("[A-Za-z0-9-]+", entry)[0].lower().replace("-", "_") for entry in extras}

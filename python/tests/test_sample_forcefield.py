@@ -390,7 +390,10 @@ def test_leaveOut(runHere, tmp_path, lines):
         (
             lambda atom: atom.residue.id != "12" and atom.name not in ("OXT", "OC2"),
             None,
-            ["in the chain, or the atoms of an end (3): A:GLY 11 (at C); A:THR 13 (at N); A:PHE 35 (at C)", "--prepare"],
+            [
+                "in the chain, or the atoms of an end (3): A:GLY 11 (at C); A:THR 13 (at N); A:PHE 35 (at C)",
+                "--prepare",
+            ],
         ),
         (
             lambda atom: True,

@@ -50,7 +50,7 @@ def applySettings(parser, arguments):
         settings, source = readSettings(given.config), given.config
     elif given.resume is not None:
         settings, source = SavedRun(given.resume).settings, given.resume
-        paths = [name for name in ("json", "notes") if name in settings and getattr(given, name) is None]
+        paths = [name for name in ("json", "notes", "report") if name in settings and getattr(given, name) is None]
         parser.set_defaults(pathsOfRun=paths)  # from the run, not from the user who resumes it
         if given.scheduler is not None:
             settings.pop("workers", None)  # the number for this machine

@@ -5,12 +5,17 @@ from .reports.noteoutput import asText
 from .terminal import BAD_INPUT, BEYOND_LIMIT, ofSignal, printError
 
 
-def writeReports(writing, outputs, notes, summary):
-    """Write the notes and the summary of a run to the Outputs "notes" and "json", if present."""
+def writeReports(writing, outputs, notes, summary, makePage):
+    """Write the notes, the summary and the page of a run to the Outputs "notes", "json" and "report", if present.
+
+    makePage : function that returns the page
+    """
     if "notes" in outputs:
         writing.write(outputs["notes"], lambda output: output.write(asText(notes)))
     if "json" in outputs:
         writing.write(outputs["json"], lambda output: output.write(asJSON(summary)))
+    if "report" in outputs:
+        writing.write(outputs["report"], lambda output: output.write(makePage()))
 
 
 def endRun(writing, isBeyond, interrupts):

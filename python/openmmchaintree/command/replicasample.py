@@ -4,6 +4,7 @@ from contextlib import closing
 
 from ..notes import countOf
 from ..replicas.threads import ThreadReplicas
+from .config import asTOML
 from .convergence import estimateGroups
 from .ending import endRun, writeReports
 from .enoughsamples import EnoughSamples
@@ -12,7 +13,7 @@ from .outputs.indexfile import readIndex
 from .outputs.outputfiles import Writing, beginning
 from .outputs.replicafiles import trajectoryNames
 from .outputs.scenefiles import removeScene, renewSettings, writeScene
-from .outputs.trajectories import FORMATS
+from .outputs.trajectories import FORMATS, readPositions
 from .replicaoptions import makePlan
 from .replicarun import NotedReport, ReplicaRun
 from .reports.planreport import printPlan
@@ -88,11 +89,27 @@ def _sampleBy(workers, model, prepared, choice, saved):
             summary["atLowestTemperature"], *weighed = weighLadder(series, summary["estimates"])
             writing.write(reports["weights"], lambda output: output.write(asTable(index, *weighed)))
         summary["files"] = writing.files
-        writeReports(writing, reports, sampling.notes, summary)
+        writeReports(
+            writing,
+            reports,
+            sampling.notes,
+            summary,
+            lambda: _makePage(summary, settings, outputs["picture"], trajectories[0], sampling.structure.topology),
+        )
     finally:
         outputs["topology"].release()
     kind.printReport(summary, console, options.verbose)
     return endRun(writing, kind.isBeyond(summary), kind.interrupts)
+
+
+def _makePage(summary, settings, picture, trajectory, topology):
+    """Return the page of a run; picture, trajectory : Outputs that were written, the latter of what it shows."""
+    from .reports.htmlreport import MOST_FRAMES, asHTML  # which few runs need
+
+    image = picture.path.read_bytes() if summary["frames"] > 1 else None
+    step = -(-summary["frames"] // MOST_FRAMES)
+    frames = list(readPositions(trajectory.path, topology, summary["frames"], step))
+    return asHTML(summary, image, asTOML(settings), topology, frames)
 
 
 def _beginFiles(run, outputs, structure, settings, saved):

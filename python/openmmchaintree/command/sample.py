@@ -104,6 +104,12 @@ def addArguments(sample):
         help="write the contents of the table, and all tolerated pairs, as JSON (-: to standard output; the report "
         "then goes to standard error)",
     )
+    sample.add_argument(
+        "--report",
+        metavar="FILE",
+        help="write a page (HTML) with means, picture, moves, energies, settings and the ensemble in three dimensions; "
+        "a browser shows it without a network",
+    )
     addPeriodic(sample, "of the structure; a force field then needs --nonbonded-cutoff")
     addOverwrite(sample)
     addNotes(sample)
@@ -257,7 +263,7 @@ def _checkOutputs(options, structureName, settings, replicas, saved):
         example = os.path.join(folder, beginning, structureName)
         raise InputError(f"-o {prefix or repr('')}: the names of output files need a beginning, such as {example}")
     names = {**namesOfRun(prefix, replicas), **{kind: f"{prefix}{ending}" for kind, ending in _ENDINGS.items()}}
-    names |= {"json": options.json, "notes": options.notes}
+    names |= {"json": options.json, "notes": options.notes, "report": options.report}
     given = [options.system, *(options.parameters or ())]
     inputs = [name for name in (options.structure, options.config, *given) if name is not None]
     if options.config is not None and os.path.realpath(options.config) == os.path.realpath(names["settings"]):

@@ -11,10 +11,10 @@ from ..replicas.schedule import Schedule
 from .outputs.outputfiles import checkOutputs
 
 # The kinds of outputs that are written at the end.
-REPORTS = ("picture", "weights", "notes", "json")
+REPORTS = ("picture", "weights", "notes", "json", "report")
 
 # Settings that a resumed run may change.
-FREE_SETTINGS = ("workers", "time", "until-ess", "checkpoint-interval", "json", "notes")
+FREE_SETTINGS = ("workers", "time", "until-ess", "checkpoint-interval", "json", "notes", "report")
 
 _VERSION_WITHOUT_HISTORY = 2
 

@@ -26,7 +26,8 @@ def printEstimates(estimates, console, weighed=None):
     left = estimates["equilibration"]["trials"]
     words = f"the first {countOf(left, 'trial')} left out as equilibration" if left else "nothing left out"
     console.print(f"means{at} over {countOf(estimates['values'], 'frame')}{chains}, {words}:")
-    heading, *lines = _lines(estimates, weighed)
+    rows = rowsOf(estimates, weighed)
+    heading, *lines = alignedLines(rows, (False, *(len(rows[0]) - 2) * (True,), False))
     console.print(heading, style="bold")
     for line in lines:
         console.print(line)
@@ -36,7 +37,8 @@ def printEstimates(estimates, console, weighed=None):
         console.print(f"do not quote these means: {estimates['verdict']}")
 
 
-def _lines(estimates, weighed):
+def rowsOf(estimates, weighed=None):
+    """Return the cells of the table, as texts, its headings first."""
     byMBAR = {} if weighed is None else {entry["name"]: describeMean(entry) for entry in weighed["observables"]}
     rows = [("observable", "mean ± error", "all temperatures", "τ (trials)", "sample size", "R-hat", "")]
     for entry in estimates["observables"]:
@@ -48,7 +50,7 @@ def _lines(estimates, weighed):
         rows.append((name, describeMean(entry), "", *_quality(entry)))
     if not byMBAR:
         rows = [(*row[:2], *row[3:]) for row in rows]
-    return alignedLines(rows, (False, *(len(rows[0]) - 2) * (True,), False))
+    return rows
 
 
 def _quality(entry):
