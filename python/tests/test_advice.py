@@ -10,7 +10,7 @@ import openmm
 import openmmchaintree
 import pytest
 from commands import assertRefused
-from openmmchaintree.command import clashes, runkinds, sample
+from openmmchaintree.command import clashes, ensemble, runkinds, sample
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from openmmchaintree.notes import listFirst
@@ -36,12 +36,13 @@ def _namedOptions(path, pattern):
 
 def test_namedOptionsExist():
     """Options of both commands, in code that both use, unless the text names the command."""
-    ofSample, ofClashes = _optionsOf(sample), _optionsOf(clashes)
+    ofSample, ofClashes, ofEnsemble = map(_optionsOf, (sample, clashes, ensemble))
     found = 0
     for path in sorted(_PACKAGE.rglob("*.py")):
         known = ofSample & ofClashes
         if _PACKAGE / "command" in path.parents:
-            known = ofClashes if path.name.startswith("clash") else ofSample
+            ofOther = {"clash": ofClashes, "ensem": ofEnsemble}
+            known = ofOther.get(path.name[:5], ofSample)
         named = _namedOptions(path, rf"(?<!clashes ){_OPTION}") - {"--version", "--help"}
         ofCommand = _namedOptions(path, rf"clashes ({_OPTION})")
         assert named <= known and ofCommand <= ofClashes, path
@@ -61,9 +62,9 @@ _VALUES = {"--unknown-radius": ["0.2"], "--forcefield": [PROTEIN]}
 
 
 def _followed(message):
-    """Return the options that a message advises, with their values."""
+    """Return the options that a message advises, with their values: the first one of two."""
     arguments = []
-    for option, value in re.findall(rf'({_OPTION})( "[^"]*")?', message):
+    for option, value in re.findall(rf'(?<! or )({_OPTION})( "[^"]*")?', message):
         arguments += [option, *([value.strip(' "')] if value else _VALUES.get(option, []))]
     return arguments
 

@@ -11,7 +11,6 @@ from openmmchaintree.command.energymodel import EnergyModel
 from openmmchaintree.command.plan import Choice
 from openmmchaintree.command.preparing.preparation import prepareStructure
 from openmmchaintree.command.sampling import Sampling
-from openmmchaintree.command.terminal import Interrupts
 from openmmchaintree.structures.structure import readStructure
 from peptides import linesOf, makePeptides
 from scenes import pdbLine, writePDB
@@ -56,9 +55,10 @@ def sample(structure, model, trials=300):
     """Prepare and sample a structure; U as held is that of OpenMM. Return the Sampling."""
     whole, _ = prepareStructure(structure, model, 7, 1)
     sampling = Sampling(whole, 1, Choice(hasEnergies=True), model)
-    sampling.run(trials, lambda: True, Interrupts(lambda: None))
+    sampling.integrator.setTrialsPerStep(trials)
+    sampling.integrator.step(1)
     assert sampling.energies.held() == pytest.approx(sampling.energyByOpenMM(), abs=1e-2)
-    assert sum(statistics.accepted for statistics in sampling.statistics()) > 0
+    assert sum(sampling.integrator.getMoveStatistics(move).accepted for move in range(len(sampling.moves))) > 0
     return sampling
 
 

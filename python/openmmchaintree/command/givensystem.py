@@ -63,9 +63,9 @@ class GivenSystem(EnergySettings):
         for name in ("parameters", "include", "implicit"):
             if getattr(options, name) is not None and name not in self._reader.options:
                 raise InputError(f"--{name} does not apply to {path}, {self._reader.kind} file")
-        for option, value in (("cutoff", cutoff), ("method", periodicMethod)):
+        for option, value in (("--nonbonded-cutoff", cutoff), ("--nonbonded-method", periodicMethod)):
             if value is not None and self._reader.isSerialized:
-                raise InputError(f"--nonbonded-{option} does not apply to {path}: a serialized System has its own")
+                raise InputError(f"{option} does not apply to {path}: a serialized System has its own")
         checkFiles(options.parameters or ())
 
     def __str__(self):
