@@ -43,9 +43,10 @@ def test_namedOptionsExist():
         if _PACKAGE / "command" in path.parents:
             ofOther = {"clash": ofClashes, "ensem": ofEnsemble}
             known = ofOther.get(path.name[:5], ofSample)
-        named = _namedOptions(path, rf"(?<!clashes ){_OPTION}") - {"--version", "--help"}
-        ofCommand = _namedOptions(path, rf"clashes ({_OPTION})")
-        assert named <= known and ofCommand <= ofClashes, path
+        named = _namedOptions(path, rf"(?<!clashes )(?<!sample ){_OPTION}") - {"--version", "--help"}
+        assert named <= known, path
+        assert _namedOptions(path, rf"clashes ({_OPTION})") <= ofClashes, path
+        assert _namedOptions(path, rf"sample ({_OPTION})") <= ofSample, path
         found += len(named)
     assert found > 40
 
