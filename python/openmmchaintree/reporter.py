@@ -1,7 +1,6 @@
 """Watching the clashes of a running simulation."""
 
 import csv
-import os
 from typing import Any, TextIO
 
 import openmm
@@ -11,6 +10,7 @@ from .clashes import Clash, ClashFinder, Path, nameClashes
 from .naming import nameAtom
 from .notes import warnOf
 from .openmmchaintree import StericExclusionForce
+from .reporterfile import ReporterFile
 from .systemreading import isPeriodic
 from .units import Number, inUnit
 
@@ -72,19 +72,10 @@ class ClashReporter:
         if self._maxOverlap is not None and not self._maxOverlap >= 0:
             raise ValueError(f"maxOverlap must be at least 0, not {self._maxOverlap}")
         self._look: _Look | None = None
-        self._ownsFile = False
-        if isinstance(file, (str, os.PathLike)):
-            self._file: TextIO = open(file, "a" if append else "w", newline="")
-            self._ownsFile = True
-        else:
-            self._file = file
-        self._lines = csv.writer(self._file, lineterminator="\n")
-        if not (append and self._ownsFile and self._file.tell() > 0):
+        self._file = ReporterFile(file, append)
+        self._lines = csv.writer(self._file.text, lineterminator="\n")
+        if self._file.needsHeading:
             self._lines.writerow(_COLUMNS)
-
-    def __del__(self):
-        if getattr(self, "_ownsFile", False):
-            self._file.close()
 
     def describeNextReport(self, simulation: app.Simulation) -> dict[str, Any]:
         """Return when to report next, and which data the State must hold, as `openmm.app.Simulation` asks."""
@@ -104,7 +95,7 @@ class ClashReporter:
         time = state.getTime().value_in_unit(unit.picosecond)
         about = [""] * 3 if worst is None else [f"{worst.overlap:.6f}", worst.atom1, worst.atom2]
         self._lines.writerow([simulation.currentStep, f"{time:.6g}", len(clashes), *about])
-        self._file.flush()
+        self._file.text.flush()
         if worst is not None and self._maxOverlap is not None and worst.overlap > self._maxOverlap:
             raise ClashError(
                 f"step {simulation.currentStep}: {worst.atom1} and {worst.atom2} overlap by {worst.overlap:.4f} nm, "

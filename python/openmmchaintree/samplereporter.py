@@ -1,6 +1,5 @@
 """Reporting the progress of Monte Carlo in a Simulation."""
 
-import os
 from typing import Any, TextIO
 
 import numpy as np
@@ -9,6 +8,7 @@ from openmm import app, unit
 
 from .clashes import Path
 from .openmmchaintree import StericExclusionForce, TorsionMonteCarloIntegrator
+from .reporterfile import ReporterFile
 from .samplecolumns import headerOf, lineOf
 from .shape import Shape
 from .units import Array, positionsInNm
@@ -52,17 +52,7 @@ class SampleReporter:
         self._reportInterval = reportInterval
         self._reference = reference
         self._look: _Look | None = None
-        self._ownsFile = False
-        if isinstance(file, (str, os.PathLike)):
-            self._file: TextIO = open(file, "a" if append else "w", newline="")
-            self._ownsFile = True
-        else:
-            self._file = file
-        self._needsHeading = not (append and self._ownsFile and self._file.tell() > 0)
-
-    def __del__(self):
-        if getattr(self, "_ownsFile", False):
-            self._file.close()
+        self._file = ReporterFile(file, append)
 
     def describeNextReport(self, simulation: app.Simulation) -> dict[str, Any]:
         """Return when to report next, and which data the State must hold, as `openmm.app.Simulation` asks.
@@ -79,11 +69,11 @@ class SampleReporter:
     def report(self, simulation: app.Simulation, state: openmm.State) -> None:
         """Write a line."""
         look = self._lookAt(simulation)
-        if self._needsHeading:
-            self._file.write(headerOf(look.hasEnergy, look.shape.ends is not None))
-            self._needsHeading = False
-        self._file.write(look.line(simulation, state))
-        self._file.flush()
+        if self._file.needsHeading:
+            self._file.text.write(headerOf(look.hasEnergy, look.shape.ends is not None))
+            self._file.needsHeading = False
+        self._file.text.write(look.line(simulation, state))
+        self._file.text.flush()
 
     def _lookAt(self, simulation):
         if self._look is None:

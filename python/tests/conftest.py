@@ -3,6 +3,7 @@
 import openmmchaintree
 import pytest
 from commands import callMain
+from openmm import app, unit
 from openmmchaintree.command.cli import main
 from openmmchaintree.structures.structure import readStructure
 from scenes import makeContext, realStructurePath
@@ -12,6 +13,15 @@ from scenes import makeContext, realStructurePath
 def villin():
     """The villin headpiece of OpenMM's package: a Structure."""
     return readStructure()
+
+
+@pytest.fixture(scope="session")
+def structure(villin, tmp_path_factory):
+    """A PDB file of villin."""
+    path = tmp_path_factory.mktemp("villin") / "villin.pdb"
+    with open(path, "w") as file:
+        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
+    return path
 
 
 @pytest.fixture

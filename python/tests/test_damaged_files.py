@@ -20,17 +20,9 @@ _DCD_HEADER = 276
 _DCD_FRAME = 3 * (4 * _ATOMS + 8)
 
 
-@pytest.fixture(scope="module")
-def structure(villin, tmp_path_factory):
-    """A PDB file of villin, and three frames of it: 1, 0 and 1 clashes."""
-    path = tmp_path_factory.mktemp("villin") / "villin.pdb"
-    with open(path, "w") as file:
-        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
-    return path
-
-
 @pytest.fixture
 def frames(villin):
+    """Three frames of villin: 1, 0 and 1 clashes."""
     return [villin.positions, 3 * villin.positions, villin.positions]
 
 

@@ -6,7 +6,6 @@ import h5py
 import numpy as np
 import pytest
 from mdtraj.formats import DCDTrajectoryFile, NetCDFTrajectoryFile, TRRTrajectoryFile
-from openmm import app, unit
 from openmmchaintree import InputError
 from openmmchaintree.structures.clashsearch import ClashSearch
 
@@ -34,15 +33,6 @@ def writeFrames(path, frames, box=None):
         Writer = {".dcd": DCDTrajectoryFile, ".nc": NetCDFTrajectoryFile}[path.suffix]
         with Writer(str(path), "w") as file:
             file.write(10 * frames, cell_lengths=None if box is None else 10 * boxes, cell_angles=angles)
-    return path
-
-
-@pytest.fixture(scope="module")
-def structure(villin, tmp_path_factory):
-    """A PDB file of villin."""
-    path = tmp_path_factory.mktemp("villin") / "villin.pdb"
-    with open(path, "w") as file:
-        app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
     return path
 
 

@@ -17,7 +17,7 @@ from queue import SimpleQueue
 from ..calvados import MODELS
 from ..ensembles.sequencefiles import isSequenceFile, readSequences
 from ..errors import ClusterError, InputError
-from .arguments import addScheduler, checkWorkers, notNegative, numberIn, positive, seed
+from .arguments import addScheduler, checkWorkers, notNegative, numberIn, positive, seed, usableCores
 from .ensemblejob import EnsembleJob, runJob
 from .outputs.output import Output
 from .outputs.outputfiles import addOverwrite, asJSON
@@ -221,7 +221,7 @@ def _workers(options, count):
         finally:
             cluster.close()
         return
-    number = max(1, min(options.workers or len(os.sched_getaffinity(0)), count))
+    number = max(1, min(options.workers or usableCores(), count))
     pool = ProcessPoolExecutor(number, get_context("spawn"), _ignoreInterrupts)
     try:
         yield lambda job: pool.submit(runJob, job), number

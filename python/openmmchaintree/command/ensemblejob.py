@@ -12,9 +12,9 @@ from ..ensemble import sampleEnsemble
 from ..ensembles.chainshape import scalingExponent
 from ..ensembles.domains import readDomains
 from ..structures.structure import readStructure
+from .outputs.dcdfile import TITLE
 from .pictures import savePicture
 
-_DATE = slice(180, 260)  # in a DCD file
 _BLOCKS = 5  # of conformers, whose scaling exponents tell its error
 
 
@@ -117,7 +117,7 @@ def _asDCD(ensemble):
     for positions in ensemble.positions:
         trajectory.writeModel(positions.astype(float) * unit.nanometer)
     whole = bytearray(content.getvalue())
-    whole[_DATE] = b" " * (_DATE.stop - _DATE.start)  # so that the same run gives the same file
+    whole[TITLE] = b" " * len(whole[TITLE])  # so that the same run gives the same file
     return bytes(whole)
 
 

@@ -13,8 +13,9 @@ from .trajectoryfile import TrajectoryFile
 # Positions in the DCD header of fields that each frame changes: the number of frames, the step of the last one.
 _FRAME_COUNT, _LAST_STEP = 8, 20
 
-# The title line with the date.
+# The title line with the date, the only part of the header that differs between equal runs.
 _TITLE, _TITLE_LENGTH = 180, 80
+TITLE = slice(_TITLE, _TITLE + _TITLE_LENGTH)
 
 _LARGEST_STEP = 2**31 - 1  # the format's limit
 
