@@ -95,6 +95,16 @@ bool MoveList::displaceParticles() const
     });
 }
 
+double MoveList::getDisplacingShare() const
+{
+    double sum = 0, displacing = 0;
+    for (const Entry& entry : entries) {
+        sum += entry.weight;
+        displacing += entry.move->displacesParticles() ? entry.weight : 0;
+    }
+    return sum > 0 ? displacing / sum : 0;
+}
+
 bool MoveList::changeVolume() const
 {
     return any_of(entries.begin(), entries.end(), [](const Entry& entry) {

@@ -31,6 +31,10 @@ static const double LOWEST_CORE_TEMPERATURE = 500;
 /** The default number of trials per outer test: a whole energy then takes little of the time. */
 static const int USUAL_TRIALS_PER_OUTER_TEST = 400;
 
+/** This number of trials of atom moves counts as one trial here. In proteins of 582 to 2,489 atoms (GBn2), 85 to 95
+ *  percent of the tests after 2,000 atom moves pass, and 83 percent of those after 400 trials of torsions. */
+static const int ATOM_MOVES_PER_TRIAL = 5;
+
 NativeEnergy::NativeEnergy(const TorsionMonteCarloIntegrator& integrator, StericExclusionForceImpl& force,
                            ContextImpl& context) :
     integrator(integrator),
@@ -421,6 +425,15 @@ double NativeEnergy::getNearCorrection()
     return max(0.0, changeBack) - max(0.0, -nearChange);
 }
 
+/**
+ * Get the number of trials to an outer test of the stand-in, unless the user sets it.
+ */
+int NativeEnergy::getUsualTrials() const
+{
+    const double share = integrator.getAtomMoveShare();
+    return (int)lround(USUAL_TRIALS_PER_OUTER_TEST / (1 - share + share / ATOM_MOVES_PER_TRIAL));
+}
+
 int NativeEnergy::getTrialsPerOuterTest() const
 {
     // Foreign Forces that are evaluated with native ones in each trial already give the whole native energy.
@@ -431,7 +444,7 @@ int NativeEnergy::getTrialsPerOuterTest() const
     const bool valuesAreLeft = trials > 0 && valuesCanChange;
     if (!foreignIsLeft && !standInIsLeft && !valuesAreLeft)
         return 0;
-    return trials > 0 ? trials : foreignIsLeft ? schedule.getTrialsPerTest() : USUAL_TRIALS_PER_OUTER_TEST;
+    return trials > 0 ? trials : foreignIsLeft ? schedule.getTrialsPerTest() : getUsualTrials();
 }
 
 NativeEnergy::Difference NativeEnergy::computeDifference(TrialSession& trials)

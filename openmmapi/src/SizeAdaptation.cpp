@@ -9,7 +9,7 @@ using namespace std;
  *  change during a run; with this value, scales vary by some 3 %. */
 static const double LEAST_GAIN = 0.1;
 
-double SizeAdaptation::countTrial(bool accepted, double scale)
+double SizeAdaptation::countTrial(bool accepted, double scale, double aim)
 {
     numAccepted += accepted ? 1 : 0;
     if (++numTrials < BLOCK)
@@ -19,7 +19,7 @@ double SizeAdaptation::countTrial(bool accepted, double scale)
 
     numBlocks++;
     const double gain = max(LEAST_GAIN, 1 / sqrt((double)numBlocks));
-    const double excess = numAccepted / (double)numTrials - AIM;
+    const double excess = numAccepted / (double)numTrials - aim;
     numTrials = numAccepted = 0;
     return min(1.0, max(LEAST_SCALE, scale * exp(gain * excess)));
 }

@@ -165,6 +165,11 @@ bool TorsionMonteCarloIntegrator::displacesParticles() const
     return moves->displaceParticles();
 }
 
+double TorsionMonteCarloIntegrator::getAtomMoveShare() const
+{
+    return moves->getDisplacingShare();
+}
+
 bool TorsionMonteCarloIntegrator::hasSpheresOff() const
 {
     return (native ? native->getStericMode() : stericMode) == Off;

@@ -82,6 +82,23 @@ def test_protein(villin):
     assert np.array_equal(again.getState(positions=True).getPositions(asNumpy=True), ends)
 
 
+@pytest.mark.parametrize(("share", "tests"), [(0.0, 5), (0.5, 3), (1.0, 1)])
+def test_outerTests(villin, share, tests):
+    """Five atom moves count as one trial in the number of trials to an outer test of the stand-in."""
+    system = makeVillin(villin)
+    integrator = TorsionMonteCarloIntegrator(300)
+    integrator.addTorsionMove(1 - share, 0.02)
+    integrator.addAtomMove(share, 0.01)
+    assert integrator.getAtomMoveShare() == share
+    integrator.setTrialsPerStep(2000)
+    context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
+    context.setPositions(villin.positions)
+    integrator.step(1)
+    assert integrator.getOuterStatistics().attempted == tests
+    often = [entry.reason for entry in integrator.getEnergyPlan(context) if "every" in entry.reason]
+    assert often and all(f"every {(400, 667, 2000)[(5, 3, 1).index(tests)]} trials" in reason for reason in often)
+
+
 def test_constraints(villin):
     """Constrained hydrogens stay at their distances; other constraints are refused in a sentence."""
     system = makeVillin(villin, constraints=app.HBonds)
@@ -141,8 +158,9 @@ def test_command(runHere, tmp_path):
     summary = json.loads((tmp_path / "summary.json").read_text())
     atoms = summary["moves"][-1]
     assert atoms["name"] == "atoms"
-    assert atoms["attempted"] == pytest.approx(2000, abs=250)
-    assert 0.25 < atoms["accepted"] / atoms["attempted"] < 0.6
+    undone = summary["energy"]["outerTests"]["trialsTakenBack"]
+    assert undone < 2000 and atoms["attempted"] == pytest.approx((4000 - undone) / 2, abs=250)
+    assert 0.15 < atoms["accepted"] / atoms["attempted"] < 0.6
     assert summary["largestBondChange"] is None and summary["changedBonds"] == []
     ends = summary["energy"]["potentialEnergy"]
     assert ends["lastByOpenMM"] == pytest.approx(ends["last"], rel=1e-6, abs=5e-3)

@@ -413,6 +413,10 @@ public:
      */
     bool displacesParticles() const;
     /**
+     * Get the share of atom moves among all trials, by the weights of the moves. It is 0 if no move can be drawn.
+     */
+    double getAtomMoveShare() const;
+    /**
      * Get whether the energies of native Forces are evaluated by this library. The default is true.
      */
     bool getNativeEnergies() const;
@@ -432,12 +436,13 @@ public:
      * Set the number of trials to an outer test, which keeps all trials accepted since the last test or undoes them. A
      * step always ends with a test, so for 400 trials set 400 or a multiple of it by setTrialsPerStep().
      *
-     * With 0, which is the default, a stand-in is tested after 400 trials, and CustomGBForces that are evaluated as a
-     * whole decide each trial. The first tests measure how much trials change the foreign Forces. They come after 12
-     * trials at first, then after up to 400 or the trials of a step, while more than half of the tests are expected to
-     * keep their trials (a standard deviation of the differences below 1.35 kT). Forces that change more than that in
-     * 12 trials decide each trial from then on. The choice is fixed after some thousand trials; take no statistics
-     * before. Checkpoints and States hold it, and renewStandIns() repeats it.
+     * With 0, which is the default, a stand-in is tested after 400 trials, where five trials of atom moves count as
+     * one: they change U less. So the number grows with the share of atom moves, up to 2,000. CustomGBForces that are
+     * evaluated as a whole decide each trial. The first tests measure how much trials change the foreign Forces. They
+     * come after 12 trials at first, then after up to 400 or the trials of a step, while more than half of the tests
+     * are expected to keep their trials (a standard deviation of the differences below 1.35 kT). Forces that change
+     * more than that in 12 trials decide each trial from then on. The choice is fixed after some thousand trials; take
+     * no statistics before. Checkpoints and States hold it, and renewStandIns() repeats it.
      *
      * With a number of at least 1, all of these are tested after that number of trials. Without any of them there is no
      * outer test. The number may change between two steps.
@@ -1073,8 +1078,8 @@ public:
      */
     bool getAdaptMoveSizes() const;
     /**
-     * Set whether the sizes of moves adapt to an acceptance of 40 percent. Use this in equilibration only: while sizes
-     * adapt, the sampled distribution is not exact.
+     * Set whether the sizes of moves adapt to an acceptance of 40 percent, or 25 percent for atom moves. Use this in
+     * equilibration only: while sizes adapt, the sampled distribution is not exact.
      *
      * The parameters of a move are its largest sizes. Each move has a scale, at most 1, by which they are multiplied;
      * after every 100 trials of the move it decreases if too few trials were accepted, and increases if too many were.

@@ -84,7 +84,8 @@ def addEnergyOptions(parser):
         type=positive,
         metavar="M",
         help="evaluate forces that are not native, and the full energy, once in M trials, in an outer test that keeps "
-        "or undoes these trials (default: 400 for implicit solvents; chosen from the first tests for other forces)",
+        "or undoes these trials (default: 400 for implicit solvents, more with --flexible; chosen from the first tests "
+        "for other forces)",
     )
     parser.add_argument(
         "--no-native-energies",

@@ -16,12 +16,16 @@ _TRIALS_PER_STEP = 10000
 # With energies: trials take longer, and a step may end with an outer test.
 _TRIALS_PER_STEP_WITH_ENERGY = 400
 
+# The same with atom moves, which need fewer outer tests.
+_TRIALS_PER_FLEXIBLE_STEP = 2000
 
-def splitTrials(trials, hasEnergies):
+
+def splitTrials(trials, hasEnergies, isFlexible):
     """Divide a number of trials into steps; yield the number of trials of each step."""
     usual = _TRIALS_PER_STEP
     if hasEnergies:  # no step is shorter, unless all trials are fewer
-        usual = -(-trials // max(1, trials // _TRIALS_PER_STEP_WITH_ENERGY))
+        least = _TRIALS_PER_FLEXIBLE_STEP if isFlexible else _TRIALS_PER_STEP_WITH_ENERGY
+        usual = -(-trials // max(1, trials // least))
     for done in range(0, trials, usual):
         yield min(usual, trials - done)
 
@@ -200,7 +204,7 @@ class _Replica:
         frames, secondsInSteps = [], 0.0
         for stop in segment.stops:
             start = perf_counter()
-            for trials in splitTrials(stop.trials, self._hasEnergies):
+            for trials in splitTrials(stop.trials, self._hasEnergies, self._integrator.displacesParticles()):
                 if self._isStopped.is_set():
                     raise Stopped
                 self._integrator.setTrialsPerStep(trials)

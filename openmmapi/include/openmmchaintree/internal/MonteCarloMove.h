@@ -5,6 +5,7 @@
 #include "openmmchaintree/internal/LinkStructure.h"
 #include "openmmchaintree/internal/Proposal.h"
 #include "openmmchaintree/internal/RandomNumberGenerator.h"
+#include "openmmchaintree/internal/SizeAdaptation.h"
 #include "openmmchaintree/internal/TrialSession.h"
 #include "openmmchaintree/internal/windowsExportChainTree.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
@@ -203,6 +204,13 @@ public:
     virtual size_t getSizeClass() const
     {
         return 0;
+    }
+    /**
+     * Get the share of trials that are accepted once sizes have adapted.
+     */
+    virtual double getAim() const
+    {
+        return SizeAdaptation::AIM;
     }
     /**
      * Get the factor by which trials of a class are smaller than the parameters say.

@@ -49,7 +49,7 @@ public:
             const size_t drawn = move->getSizeClass();
             if (drawn >= adaptations.size())
                 adaptations.resize(drawn + 1);
-            move->setScale(drawn, adaptations[drawn].countTrial(accepted, move->getScale(drawn)));
+            move->setScale(drawn, adaptations[drawn].countTrial(accepted, move->getScale(drawn), move->getAim()));
         }
     };
     /**
@@ -111,6 +111,10 @@ public:
      * Get whether a move displaces particles within their links.
      */
     bool displaceParticles() const;
+    /**
+     * Get the share of the moves that displace particles in the sum of all weights; 0 if no move can be drawn.
+     */
+    double getDisplacingShare() const;
     /**
      * Draw a move by its weight.
      *

@@ -272,6 +272,7 @@ private:
         std::vector<double> pairSets, termSets;
     };
     Choice getChoice() const;
+    int getUsualTrials() const;
     bool hasTerms() const
     {
         return !plan.getTranslatedForces().empty();

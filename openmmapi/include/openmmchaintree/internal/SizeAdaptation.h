@@ -12,7 +12,7 @@ namespace ChainTreePlugin {
  */
 class OPENMM_EXPORT_CHAINTREE SizeAdaptation {
 public:
-    /** The share of trials that should be accepted. */
+    /** The share of trials that should be accepted, unless the move says otherwise. */
     static constexpr double AIM = 0.4;
     /** The number of trials from which the acceptance is estimated. */
     static const int BLOCK = 100;
@@ -23,9 +23,10 @@ public:
      *
      * @param accepted  whether it was accepted
      * @param scale     the scale of the trial
+     * @param aim       the share of trials that should be accepted
      * @return the scale of the next trial
      */
-    double countTrial(bool accepted, double scale);
+    double countTrial(bool accepted, double scale, double aim = AIM);
     /** The state, for checkpoints: the number of complete blocks, and the counts of the present one.
      */
     typedef std::array<long long, 3> State;
