@@ -78,8 +78,8 @@ def sampleEnsemble(
     """
     if conformers < 1 or maxTrials < 1:
         raise InputError("conformers and maxTrials must be above 0")
-    from .ensembles.beadrun import BeadRun  # which estimates errors, by packages of an extra
+    from .ensembles.beadrun import sampleBeads  # which estimates errors, by packages of an extra
 
     topology, system, positions = createCalvadosSystem(source, temperature, pH, ionicStrength, model, domains)
-    run = BeadRun(topology, system, positions, float(inUnit(temperature, "K", "temperature")), seed)
-    return run.sample(int(conformers), int(maxTrials))
+    kelvin = float(inUnit(temperature, "K", "temperature"))
+    return sampleBeads(topology, system, positions, kelvin, seed, int(conformers), int(maxTrials))

@@ -23,10 +23,6 @@ class ChainShape(NamedTuple):
         """Return the arrays by their names."""
         return dict(zip(("radius of gyration", "end-to-end distance", "asphericity"), self, strict=True))
 
-    def of(self, frames):
-        """Return the values of some frames."""
-        return ChainShape(*(values[frames] for values in self))
-
 
 def shapesOf(positions, masses):
     """Return the ChainShape of frames.
