@@ -112,8 +112,8 @@ def tabledDensities():
     for name, (_, means, _) in densities._rotamers().items():
         chis = tuple(range(means.shape[1]))
         for first in chis:
-            yield f"{name} from chi{first + 1} on", densities._rotamerDensity(name, False, chis[first:], FLOOR)
-    for name, counts in densities._loops().items():
+            yield f"{name} from chi{first + 1} on", densities.rotamerDensity(name, False, chis[first:], FLOOR)
+    for name, counts in densities.loopCounts().items():
         yield f"{name} phi, psi", TorsionDensity.fromTable(counts, FLOOR)
 
 

@@ -17,6 +17,7 @@ from . import _build  # noqa: E402
 from .bondlengths import setBondLengths  # noqa: E402
 from .calvados import CalvadosSystem, createCalvadosSystem  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .coil import coilDensities, createCoilForce  # noqa: E402
 from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
@@ -76,7 +77,9 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "addDefaultMoves",
+    "coilDensities",
     "createCalvadosSystem",
+    "createCoilForce",
     "createStericExclusionForce",
     "createTopology",
     "findClashes",

@@ -72,13 +72,13 @@ def rotamerDensities(
     floor = inUnit(floor, "1", "floor")
     drawn = DrawnTorsions([], [])
     for residue, torsions in _torsionsByResidue(topology, force, ("chi1", "chi2", "chi3", "chi4"), selection):
-        name = _nameInTables(residue)
-        if name not in _rotamers():
+        name = rotamersOf(residue)
+        if name is None:
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
         for run in _runs(chis) if parts else (chis,):
             drawn.torsions.append(tuple(torsions[f"chi{chi + 1}"] for chi in run))
-            drawn.density.append(_rotamerDensity(name, isMirrored(residue.name), run, floor))
+            drawn.density.append(rotamerDensity(name, isMirrored(residue.name), run, floor))
     return _notEmpty(drawn, "side chains")
 
 
@@ -126,7 +126,7 @@ def ramachandranDensities(
         if "psi" in torsions:
             ends = (force.getTorsionParticles(torsions["psi"])[end] for end in (0, 3))
             following = next((atoms[end].residue for end in ends if atoms[end].residue is not residue), None)
-        name = _loopKind(residue, following)
+        name = loopKind(residue, following)
         if name is None:
             continue
         kinds = tuple(kind for kind in ("phi", "psi") if kind in torsions)
@@ -163,8 +163,15 @@ def _notEmpty(drawn, what):
     return drawn
 
 
+def rotamersOf(residue):
+    """Return the name of a residue in the table of rotamers; None if it is not there."""
+    name = _nameInTables(residue)
+    return name if name in _rotamers() else None
+
+
 @functools.cache
-def _rotamerDensity(name, mirrored, chis, floor):
+def rotamerDensity(name, mirrored, chis, floor):
+    """Return the TorsionDensity of some χ, by their numbers from 0, of an amino acid in the table of rotamers."""
     counts, means, deviations = _rotamers()[name]
     means = -means if mirrored else means
     last = means.shape[1] - 1
@@ -177,7 +184,7 @@ def _rotamerDensity(name, mirrored, chis, floor):
 
 @functools.cache
 def _loopDensity(name, mirrored, kinds, floor):
-    counts = _loops()[name]
+    counts = loopCounts()[name]
     if mirrored:
         counts = counts[::-1, ::-1]
     if len(kinds) == 1:
@@ -190,7 +197,8 @@ def _nameInTables(residue):
     return _STAND_INS.get(name, name)
 
 
-def _loopKind(residue, following):
+def loopKind(residue, following):
+    """Return the name of a residue in the table of loops, by the next residue or None; None for other residues."""
     name = _nameInTables(residue)
     if name == "PRO":
         return "transPRO"
@@ -210,7 +218,7 @@ def _rotamers():
 
 
 @functools.cache
-def _loops():
+def loopCounts():
     """Return for each kind of residue the counts by φ and ψ."""
     rows = {}
     for residue, _, counts in readTable("loops.csv"):

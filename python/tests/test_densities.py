@@ -17,7 +17,7 @@ from openmmchaintree import (
     ramachandranDensities,
     rotamerDensities,
 )
-from openmmchaintree.densities import _loops, _rotamers
+from openmmchaintree.densities import _rotamers, loopCounts
 from scenes import HEAVY_ATOMS, peptide
 
 _AMINO_ACIDS = sorted(HEAVY_ATOMS)
@@ -164,7 +164,7 @@ def test_backbones():
     assert [[kinds[i] for i in found] for found in drawn.torsions] == [
         ["psi"], ["phi", "psi"], ["psi"], ["phi", "psi"], ["psi"], ["phi"],
     ]  # fmt: skip
-    loops = _loops()
+    loops = loopCounts()
     expected = [
         loops["ALA"].sum(axis=0), loops["GLY"], loops["transPRO"].sum(axis=0), loops["prePRO"],
         loops["transPRO"].sum(axis=0), loops["VAL"].sum(axis=1),
@@ -191,7 +191,7 @@ def test_mirroredAminoAcids():
 
 def test_tables():
     # Facts that their papers state, or that everyone knows: a slip of columns or signs would show.
-    rotamers, loops = _rotamers(), _loops()
+    rotamers, loops = _rotamers(), loopCounts()
     assert set(rotamers) == set(_AMINO_ACIDS) - {"ALA", "GLY", "PRO"}
     assert set(loops) == (set(_AMINO_ACIDS) - {"PRO"}) | {"prePRO", "transPRO", "cisPRO"}
     counts, means, deviations = rotamers["LEU"]
