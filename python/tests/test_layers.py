@@ -1,4 +1,4 @@
-"""Which module may import which: the command, replicas, statistics, structures, ensembles, and the core below."""
+"""Which module may import which: the command, replicas, ensembles, statistics, scoring, structures, and the core."""
 
 import ast
 import re
@@ -19,7 +19,7 @@ from openmmchaintree.structures.trajectory import Trajectory
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
 # From the bottom up. The core is all modules that lie in no folder.
-_LAYERS = ("", "structures", "statistics", "ensembles", "replicas", "command")
+_LAYERS = ("", "structures", "scoring", "statistics", "ensembles", "replicas", "command")
 _MODULES = {
     path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
     for path in _PACKAGE.rglob("*.py")

@@ -1,0 +1,1 @@
+"""Scores of structures by the definitions of other programs."""
