@@ -266,9 +266,49 @@ def test_atomsAtMetalsGetNoHydrogen(tmp_path):
         bare.makeSystem(whole)
 
 
-def test_aPhosphateAtTheEndOfDNA(tmp_path):
+def strandLines(first, last):
+    """Return the lines of some nucleotides of a real strand of DNA."""
     lines = realStructurePath("1bna.pdb").read_text().splitlines()
-    kept = [line for line in lines if line.startswith("ATOM") and line[21] == "A" and 2 <= int(line[22:26]) <= 5]
+    return [line for line in lines if line.startswith("ATOM") and line[21] == "A" and first <= int(line[22:26]) <= last]
+
+
+@pytest.mark.parametrize("names", [("P", "OP1", "OP2"), ("P",), ("O5'",), ("P", "OP1", "OP2", "O5'")])
+def test_phosphatesWithinAStrandAreBuiltWhereTheyWere(names, tmp_path):
+    """In one nucleotide, and in all; the 5' end stays as it is."""
+    whole = readStructure(writePDB(tmp_path / "whole.pdb", strandLines(1, 5)))
+    model = EnergyModel(["amber14/DNA.OL15.xml"], 300, isPrepared=True)
+    places = byName(whole)
+    for numbers in (["4"], ["2", "3", "4", "5"]):
+        kept = [
+            line for line in strandLines(1, 5) if line[12:16].strip() not in names or line[22:26].strip() not in numbers
+        ]
+        structure = readStructure(writePDB(tmp_path / "strand.pdb", kept))
+        completed, _ = prepareStructure(structure, model, 7, 1)
+        found = byName(completed)
+        assert [(number, name) for number, name in found if name == "P"] == [(n, "P") for n in ("2", "3", "4", "5")]
+        assert len(itemsOf(completed, "residues completed")) == len(numbers)
+        assert not [note for note in completed.notes if "gaps" in note.kind or "phosphates" in note.kind]
+        away = [np.linalg.norm(np.subtract(found[key], places[key])) for key in places]
+        assert max(away) < 0.06
+        model.makeSystem(completed)
+
+
+def test_nucleosidesWithHydroxylsOrFarApartStayApart(tmp_path):
+    kept = [line for line in strandLines(1, 3) if line[12:16].strip() not in ("P", "OP1", "OP2")]
+    shifted = [line[:30] + f"{float(line[30:38]) + 4 * int(line[25]):8.3f}" + line[38:] for line in kept]
+    model = EnergyModel(["amber14/DNA.OL15.xml"], 300, isPrepared=True)
+    apart, _ = prepareStructure(readStructure(writePDB(tmp_path / "far.pdb", shifted)), model, 7, 1)
+    assert len(itemsOf(apart, "stay open")) == 2
+    topology, positions = apart.topology, apart.positions.copy()
+    firsts = np.array([int(atom.residue.id) for atom in topology.atoms()])
+    positions[:, 0] -= 0.4 * firsts
+    lines = linesOf(topology, positions)
+    again, _ = prepareStructure(readStructure(writePDB(tmp_path / "hydroxyls.pdb", lines)), model, 7, 1)
+    assert len(itemsOf(again, "stay open")) == 2
+
+
+def test_aPhosphateAtTheEndOfDNA(tmp_path):
+    kept = strandLines(2, 5)
     structure = readStructure(writePDB(tmp_path / "dna.pdb", kept))
     model = EnergyModel(["amber14/DNA.OL15.xml"], 300, isPrepared=True)
     whole, _ = prepareStructure(structure, model, 7, 1)

@@ -9,29 +9,29 @@ import openmm.app
 from openmm import unit
 from openmm.app import element
 
+from ...bonds import LINKS
 from ...errors import InputError
 from ...extras import importExtra
 from ...naming import describeResidue
 from ...notes import Note, found
-from ...residues import aminoAcid, isNucleotide, isPolymer
+from ...residues import aminoAcid, isPolymer
 from ...structures.sequencegaps import findSequenceGaps
 from ...structures.structure import withoutAtoms
 from ...templates import atomAliases, standardName, templateBonds
 from ..hydrogens import boundEnds, repeatable
+from .phosphates import withoutPhosphates
 from .segments import Missing, findSegments, gapsWithStubs, lacksBackbone
 
 # PDBFixer is made from a file; its Topology and positions are replaced at once.
 _ANY_FILE = "ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00  0.00           C\nEND\n"
 
-_PHOSPHATE = ("P", "OP1", "OP2", "OP3", "O1P", "O2P", "O3P")
-_LINK = ("C", "N")
-
 
 def completeHeavyAtoms(structure, energyModel, seed):
     """Return a Structure with its missing heavy atoms, the indices of these, PDBFixer's templates, and a list of Note.
 
-    Side chains, the ends of chains (OXT) and short gaps are completed; atoms that are there stay in place. Sides of
-    other gaps become ends of chains. Phosphates at 5' ends that an EnergyModel, if given, does not have are left out.
+    Side chains, the ends of chains (OXT), short gaps and the phosphates between nucleotides are completed; atoms that
+    are there stay in place. Sides of other gaps become ends of chains. Phosphates at 5' ends that an EnergyModel, if
+    given, does not have are left out.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def completeHeavyAtoms(structure, energyModel, seed):
     gaps, notes = ([], []) if structure.file is None else findSequenceGaps(structure.file, structure.model)
     structure, gaps, more = _withoutStubs(structure, gaps)
     notes += more
-    structure, more = _withoutPhosphates(structure, energyModel)
+    structure, more = withoutPhosphates(structure, energyModel)
     notes += more
     structure, more = _withoutSingles(structure, findSegments(structure, gaps)[0])
     notes += more
@@ -78,23 +78,6 @@ def _withoutSingles(structure, segments):
         return structure, []
     atoms = np.array([atom.index for residue in singles for atom in residue.atoms()])
     return withoutAtoms(structure, atoms), [Note("single amino acids left out", map(describeResidue, singles))]
-
-
-def _withoutPhosphates(structure, energyModel):
-    """Return a Structure without 5' phosphates that the force field does not have, and a list of Note."""
-    if energyModel is None or energyModel.hasPhosphateEnds():
-        return structure, []
-    front, _ = boundEnds(structure.topology)
-    left, items = [], []
-    for residue in structure.topology.residues():
-        phosphate = [atom.index for atom in residue.atoms() if atom.name in _PHOSPHATE]
-        if isNucleotide(residue.name) and residue not in front and phosphate:
-            left += phosphate
-            items.append(describeResidue(residue))
-    if not left:
-        return structure, []
-    note = Note("phosphates at 5' ends left out, which the force field does not have", items)
-    return withoutAtoms(structure, np.array(left)), [note]
 
 
 def _runPDBFixer(structure, segments, seed):
@@ -154,6 +137,7 @@ class _Builder:
         self._topology = openmm.app.Topology()
         self._taken = {_labels(residue) for residue in structure.topology.residues()}
         self._chain = self._previous = None
+        self._joined = set()
         self._copies = {}
         self._sources, self._positions, self._bonds, self._completed = [], [], [], []
 
@@ -163,7 +147,7 @@ class _Builder:
         last = None if before is None else before.residues[-1]
         if last is None or last.chain is not first.chain or isPolymer(last) == isPolymer(first):
             self._chain = self._topology.addChain(first.chain.id)
-        self._previous = None
+        self._previous, self._joined = None, segment.joined
 
     def addResidue(self, residue, made, isBeforeGap):
         """Add a residue with the atoms that PDBFixer made: old ones in their order, then new ones."""
@@ -189,11 +173,8 @@ class _Builder:
             self._bonds += [(atoms[first], atoms[second]) for first, second in bonds]
             if not isNew:
                 self._completed.append(f"{describeResidue(newResidue)} ({', '.join(atom.name for atom in added)})")
-        if self._previous is not None and (isNew or isinstance(self._previous[0], Missing)):
-            ends = self._previous[1], newResidue
-            self._bonds.append(
-                tuple(next(a for a in end.atoms() if a.name == name) for end, name in zip(ends, _LINK, strict=True))
-            )
+        if self._previous is not None and (isNew or isinstance(self._previous[0], Missing) or residue in self._joined):
+            self._bonds.append(_linkAtoms(self._previous[1], newResidue))
         self._previous = residue, newResidue
 
     def _freeLabels(self, missing):
@@ -231,6 +212,17 @@ def _labels(residue):
     return residue.chain.id, residue.id, residue.insertionCode
 
 
+def _linkAtoms(first, second):
+    """Return the atoms of the bond between two residues, the first before the second."""
+    atoms = [{_nameInTable(atom): atom for atom in residue.atoms()} for residue in (first, second)]
+    return next((atoms[0][name], atoms[1][other]) for name, other in LINKS if name in atoms[0] and other in atoms[1])
+
+
 def _isEnd(atom):
     """Whether an atom is the second oxygen of a chain's end."""
-    return atomAliases(standardName(atom.residue.name)).get(atom.name, atom.name) == "OXT"
+    return _nameInTable(atom) == "OXT"
+
+
+def _nameInTable(atom):
+    """Return the name of an atom in OpenMM's table."""
+    return atomAliases(standardName(atom.residue.name)).get(atom.name, atom.name)

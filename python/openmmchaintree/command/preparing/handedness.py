@@ -23,6 +23,9 @@ _PASSES = 3
 
 _PEPTIDE = ("CA", "C", "N", "CA")
 
+# Which oxygen of a phosphate is called OP1, as in the Protein Data Bank: PDBFixer's templates disagree with each other.
+_PHOSPHATE, _PHOSPHATE_ANGLE = ("OP1", "P", "OP2", "O5'"), np.radians(124)
+
 
 class Shape(NamedTuple):
     """A dihedral that a completed residue should have.
@@ -76,6 +79,7 @@ def mirrorWrongCenters(structure, added, shapes):
     """Return the positions of a Structure with added branches at centers of the wrong hand mirrored.
 
     The mirror is the plane of the center and two of its neighbors. Lengths of rings that this breaks are to be relaxed.
+    The two added oxygens of a phosphate change places.
 
     added : (n,) bool array, the atoms that may move
     """
@@ -85,6 +89,11 @@ def mirrorWrongCenters(structure, added, shapes):
     for _ in range(_PASSES):
         for shape in wrongShapes(shapes, positions):
             center = shape.particles[1]
+            if shape.angle == _PHOSPHATE_ANGLE:
+                oxygens = [shape.particles[0], shape.particles[2]]
+                if added[oxygens].all():
+                    positions[oxygens] = positions[oxygens[::-1]]
+                continue
             others = [atom for atom in shape.particles if atom != center]
             pairs = () if shape.angle == np.pi else combinations(others, 2)
             branches = [(_branchAt(center, pair, neighbors), pair) for pair in pairs]
@@ -125,6 +134,9 @@ def _centersOf(template):
         neighbors.setdefault(second, []).append(first)
     for center, others in neighbors.items():
         if len(others) < 3:
+            continue
+        if center.name == "P":
+            yield _PHOSPHATE, _PHOSPHATE_ANGLE
             continue
         first, second, third = others[:3]
         atoms = first, center, second, third

@@ -12,6 +12,7 @@ from ...notes import Note, found
 from ...residues import PEPTIDE_BACKBONE, aminoAcid, isPolymer
 from ...structures.sequencegaps import SequenceGap
 from ...templates import standardName
+from .phosphates import nucleotidesToJoin
 from .replacing import standardOf
 
 # The longest gap that is built, in residues. Loops of more have too many conformations for one guess.
@@ -25,9 +26,11 @@ class Segment(NamedTuple):
     """Consecutive residues of a chain, of a polymer or not: between its ends and open gaps.
 
     residues : list of Residue, and of Missing
+    joined : set of Residue, nucleotides whose bond to the residue before is to be built
     """
 
     residues: list
+    joined: set
 
 
 class Missing(NamedTuple):
@@ -59,12 +62,15 @@ def findSegments(structure, gaps):
     bonds = [(bond[0].index, bond[1].index) for bond in topology.bonds()]
     following = {first.residue: second.residue for first, second in polymerLinks(atoms, bonds)}
     gapAfter = {gap.before: gap for gap in gaps}
+    joined = nucleotidesToJoin(structure)
     segments, built, isOpen = [], [], []
     for chain in topology.chains():
         previous = None
         for residue in chain.residues():
             if previous is None or isPolymer(previous) != isPolymer(residue):
-                segments.append(Segment([]))
+                segments.append(Segment([], set()))
+            elif residue in joined:
+                segments[-1].joined.add(residue)
             elif isPolymer(residue) and following.get(previous) is not residue:
                 gap = gapAfter.get(_address(previous))
                 if gap is None or gap.after != _address(residue):
@@ -77,7 +83,7 @@ def findSegments(structure, gaps):
                     built.append(f"{ends}: {' '.join(names)}")
                 else:
                     isOpen.append(f"{ends}: {reason}")
-                    segments.append(Segment([]))
+                    segments.append(Segment([], set()))
             segments[-1].residues.append(residue)
             previous = residue
     return segments, found(
