@@ -14,8 +14,8 @@ from ..hydrogens import boundEnds
 
 _PHOSPHATE = ("P", "OP1", "OP2", "OP3", "O1P", "O2P", "O3P")
 
-# The chain between two sugars, and the largest distance (nm) of atoms with 1, 2 or 3 missing atoms between: two bonds of
-# 0.16 nm at an angle of at most 120°, and 0.13 nm along the chain for each further bond.
+# The chain between two sugars, and the largest distance (nm) of atoms with 1, 2 or 3 missing atoms between: two bonds
+# of 0.16 nm at an angle of at most 120°, and 0.13 nm along the chain for each further bond.
 _CHAIN = (("C3'", "O3'"), ("P", "O5'", "C5'"))
 _REACH = (0.30, 0.43, 0.56)
 
