@@ -26,6 +26,7 @@ from .replicasample import namesOfRun, sampleReplicas
 from .reports.noteoutput import addNotes, asText
 from .sampling import Sampling
 from .savedrun import SavedRun
+from .startforces import noteOnForces
 from .stopping import addStopping, settleTrials
 from .terminal import ReportConsole, collectionPaused
 
@@ -221,6 +222,8 @@ def _run(options):
         with collectionPaused():
             structure, added = _prepare(structure, options, energyModel, pH, seed)
             sampling = Sampling(structure, seed, choice, energyModel)
+            if energyModel is not None:
+                sampling.notes += noteOnForces(sampling, options.minimize)
     except (InputError, openmm.OpenMMException) as error:
         raise InputError(f"{options.structure or structure.name}: {error}") from error
     if options.prepare or options.minimize:  # line by line, and shortly again in the report
