@@ -14,7 +14,7 @@ from ..datatables import readTable
 from ..residues import aminoAcid, isCalledWater, nucleotide
 
 # Bits of ContactAtoms.flags.
-HYDROGEN, DONOR, ACCEPTOR, POSITIVE, NEGATIVE, WATER, AROMATIC, DUMMY, ABSENT = (1 << bit for bit in range(9))
+HYDROGEN, DONOR, ACCEPTOR, POSITIVE, NEGATIVE, WATER, AROMATIC, DUMMY, ABSENT, METAL = (1 << bit for bit in range(10))
 
 # Radii, nm: carbon of C=O, aromatic carbon, hydrogen on an aromatic carbon or on N, O or S.
 _CARBONYL, _AROMATIC, _SMALL_HYDROGEN = 0.165, 0.175, 0.105
@@ -75,16 +75,9 @@ def contactAtoms(topology, positions, occupancies=None):
     Bonds are found by distance, as Probe finds them: between heavy atoms anywhere, and between a hydrogen and the
     nearest heavy atom of its residue.
     """
-    atoms = list(topology.atoms())
-    numbers = np.array([0 if atom.element is None else atom.element.atomic_number for atom in atoms], dtype=int)
-    residues = np.array([atom.residue.index for atom in atoms], dtype=int)
-    known = _elements()
-    rows = [
-        (0.0, 0.0, 0) if number == 0 else _kindOf(atom.residue.name, atom.name, number, known)
-        for atom, number in zip(atoms, numbers.tolist(), strict=True)
-    ]
-    radii, covalent = (np.array([row[column] for row in rows]) for column in (0, 1))
-    flags = np.array([row[2] for row in rows], dtype=int)
+    numbers = np.array([_numberOf(atom) for atom in topology.atoms()], dtype=int)
+    residues = np.array([atom.residue.index for atom in topology.atoms()], dtype=int)
+    radii, covalent, flags = atomKinds(topology)
     pairs = _bondedPairs(positions, covalent, flags, residues)
     parents = _parents(positions, pairs, numbers, residues)
     pairs = pairs[(parents[pairs[:, 0]] < 0) | (parents[pairs[:, 0]] == pairs[:, 1])]
@@ -94,7 +87,14 @@ def contactAtoms(topology, positions, occupancies=None):
     _chargeEnds(topology, flags)
     if occupancies is not None:
         flags[np.abs(occupancies) < _LEAST_OCCUPANCY] |= ABSENT
-    return ContactAtoms(radii, covalent, flags, residues, parents, _asLists(len(atoms), pairs))
+    return ContactAtoms(radii, covalent, flags, residues, parents, _asLists(len(numbers), pairs))
+
+
+def atomKinds(topology):
+    """Return the radii, covalent radii (nm) and flags of atoms, as in ContactAtoms; of hydrogens without neighbors."""
+    rows = [_kindOf(atom.residue.name, atom.name, _numberOf(atom)) for atom in topology.atoms()]
+    table = np.array(rows, dtype=float).reshape(-1, 3)
+    return table[:, 0].copy(), table[:, 1].copy(), table[:, 2].astype(int)
 
 
 def countedAtoms(atoms):
@@ -127,10 +127,17 @@ def _residueOf(name):
     return name, "water" if isCalledWater(name) else ""
 
 
-def _kindOf(residueName, name, number, known):
+def _numberOf(atom):
+    return 0 if atom.element is None else atom.element.atomic_number
+
+
+@cache
+def _kindOf(residueName, name, number):
     """Return the radius, the covalent radius and the flags of an atom; what a hydrogen is bonded to comes later."""
+    if number == 0:
+        return 0.0, 0.0, 0
     residue, kind = _residueOf(residueName)
-    radius, covalent, isMetal = known.get(number, known[_C])
+    radius, covalent, isMetal = _elements().get(number, _elements()[_C])
     flags = 0
     ring = (_PURINE if residue in "AGI" else _PYRIMIDINE) if kind == "nucleotide" else _RINGS.get(residue, "")
     if kind == "water":
@@ -150,7 +157,7 @@ def _kindOf(residueName, name, number, known):
     if name in _namesOf(charged):
         flags |= sign
     if isMetal:
-        flags |= POSITIVE
+        flags |= POSITIVE | METAL
     elif number in _HALOGENS and kind == "":
         flags |= NEGATIVE | ACCEPTOR
     if kind == "nucleotide" and name == "P":
@@ -162,7 +169,7 @@ def _kindOf(residueName, name, number, known):
 
 def _bondedPairs(positions, covalent, flags, residues):
     """Return the pairs that are as far apart as bonded atoms, without those that Probe never bonds."""
-    isMetal = covalent > 0.12
+    isMetal = flags & METAL > 0
     pairs = _pairsWithin(positions, np.flatnonzero(~isMetal & (covalent > 0)), 2 * 0.133 + _LONG)
     if isMetal.any():
         tree = cKDTree(positions)
