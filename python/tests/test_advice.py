@@ -100,6 +100,11 @@ _CASES = {
         ["--forcefield", PROTEIN],
         "that the force field does not have (1): L:SO4 1: ",
     ),
+    "no ligands": (
+        lambda: [*DIPEPTIDE, *(line for name in ("LIA", "LIB", "LIC", "2LD") for line in _ligand(name, "S", "O"))],
+        ["--forcefield", PROTEIN],
+        "that the force field does not have (4): L:LIA 1; ",
+    ),
     "a force field": (lambda: DIPEPTIDE, ["--temperature", "300"], "--temperature needs "),
 }
 
@@ -113,6 +118,22 @@ def test_adviceHelps(runHere, tmp_path, case):
     assertRefused(refused, tmp_path, ["structure.pdb"], words)
     result = runHere(*options, *_followed(refused.stderr.split(words)[1]))
     assert result.returncode == 0, result.stderr
+
+
+def test_residuesBoundToUnknownOnesAreNotNamed(runHere, tmp_path):
+    """As in a glycoprotein: without the sugars, the amino acids fit."""
+    lines = list(DIPEPTIDE)
+    carbon, hydrogen = (next(line for line in lines if line[12:20].split() == [name, "ALA"]) for name in ("CB", "HB1"))
+    ends = [np.array([float(line[k : k + 8]) for k in (30, 38, 46)]) for line in (carbon, hydrogen)]
+    lines.remove(hydrogen)
+    sugar = [
+        pdbLine(99 + number, name, "NAG", "L", 1, *(ends[0] + far * (ends[1] - ends[0])), record="HETATM")
+        for number, (name, far) in enumerate((("C1", 1.4), ("O5", 2.7)))
+    ]
+    writePDB(tmp_path / "structure.pdb", [*lines, "TER", *sugar])
+    refused = runHere("structure.pdb", "--forcefield", PROTEIN)
+    assertRefused(refused, tmp_path, ["structure.pdb"], "does not have (1): L:NAG 1: ", '--leave-out "resname NAG"')
+    assert "bound to" not in refused.stderr
 
 
 def test_existingFilesCanBeReplaced(runHere, tmp_path):

@@ -1,14 +1,15 @@
 """Explains in one line why residues do not match a force field, with a remedy."""
 
 import re
-from collections import defaultdict
+from collections import Counter, defaultdict
 from textwrap import shorten
 
 from openmm.app import element
 
 from ..naming import describeResidue
 from ..notes import Note, listFirst
-from ..residues import aminoAcid, isPolymer, nucleotide
+from ..residues import aminoAcid, isNucleotide, isPolymer, nucleotide
+from ..selection import selectAtoms
 from ..templates import atomAliases, standardName
 
 _ADD_ATOMS = "--prepare adds them"
@@ -19,6 +20,7 @@ _LEAVE_OUT = 'name another file that has them, or leave them out (--leave-out "{
 _LEAVE_ATOMS = "name another file that has these, or leave atoms out (--leave-out)"
 _REPLACE = "name another file that has them, or let --prepare replace them"
 _OTHER_FILE = "name another file that has them, or leave out what they bind (--leave-out)"
+_CORRECT_BONDS = "correct the bonds in the file (CONECT, SSBOND, _struct_conn)"
 _OTHER_HYDROGENS = '--leave-out "element H" --add-hydrogens puts others in their place'
 
 _CANNOT_PREPARE = "--prepare knows no more of them: are names or bonds of atoms unusual?"
@@ -64,9 +66,12 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
     if forceField._patches:  # the list ignores patches, so some of its residues may match
         residues = [residue for residue in residues if residue.index == int(first[1])]
     bonds = _bondsBetweenResidues(topology)
+    unknown = {residue for residue in residues if not templatesOf(forceField, residue)}
     misfits = defaultdict(list)
     for residue in residues:
         what, remedy, detail = _whyMisfit(forceField, residue, bonds[residue])
+        if remedy == _OTHER_FILE and any(other.residue in unknown for _, other in bonds[residue]):
+            continue  # without the unknown residue it fits
         if isPrepared:
             remedy = _NEXT_ADVICE_PREPARED.get(remedy, remedy)
         elif hydrogensWereAdded:
@@ -75,14 +80,25 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
     parts = []
     for (what, remedy), found in misfits.items():
         items = [f"{describeResidue(residue)}{detail}" for residue, detail in found]
-        parts.append(f"{Note(f'residues {what}', items)}: {remedy.format(_selection(found))}")
+        remedy = remedy.format(_selection([residue for residue, _ in found], topology))
+        parts.append(f"{Note(f'residues {what}', items)}: {remedy}")
     return f"{name}: {listFirst(parts, '; ') or firstSentence(error)}"
 
 
-def _selection(found):
-    """Return a selection of residues by name; an example if there are many names."""
-    names = list(dict.fromkeys(residue.name for residue, _ in found))
-    names = names if len(names) <= _LONGEST_SELECTION else names[:1]
+def _selection(residues, topology):
+    """Return a selection of residues of a Topology: by name, of the rest beside polymers, or an example."""
+    names = list(dict.fromkeys(residue.name for residue in residues))
+    if len(names) > _LONGEST_SELECTION:
+        selection = (
+            "not (protein or nucleic)"
+            if any(isNucleotide(residue.name) for residue in topology.residues())
+            else "not protein"
+        )
+        atoms = list(topology.atoms())
+        chosen = {atoms[index].residue for index in selectAtoms(topology, selection)}
+        if chosen.issuperset(residues) and not any(map(isPolymer, chosen)):
+            return selection
+        names = names[:1]
     # The language takes a name that begins with a digit for a number unless it is in quotes.
     return " or ".join(f"resname {name}" if name.isidentifier() else f"resname '{name}'" for name in names)
 
@@ -126,7 +142,8 @@ def _whyMisfit(forceField, residue, bonds):
         return "that lack hydrogens", _ADD_HYDROGENS, ""
     if misfit.lackingHydrogens < 0:
         return "with hydrogens too many", _OTHER_HYDROGENS, ""
-    return "whose bonds do not fit their names", "give their bonds in the file (CONECT, _struct_conn)", ""
+    repeated = {name for name, count in Counter(atom.name for atom, _ in bonds).items() if count > 1}
+    return "whose bonds do not fit their names", _CORRECT_BONDS, _describeBonds(bonds, repeated)
 
 
 def templatesOf(forceField, residue):

@@ -30,7 +30,7 @@ def describePlan(plan):
         ("bonds that closed moves keep", plan.closed),
     ):
         if bonds:
-            lines.append(f"{what}: {', '.join(' – '.join(residues) for residues in bonds)}")
+            lines.append(f"{what}: {_join([' – '.join(residues) for residues in bonds])}")
     return lines
 
 
@@ -117,7 +117,7 @@ class _Describer:
             return _range(residues or self._residues[molecule])
         if not all(chain.strip() for chain in chains):
             return f"chain {_range(residues)}"
-        return f"chain{'s' if len(chains) > 1 else ''} {', '.join(chains)}"
+        return f"chain{'s' if len(chains) > 1 else ''} {_join(list(chains))}"
 
     def _group(self, molecules):
         """List molecules with their numbers of atoms; equal molecules that are not polymers form one entry."""
