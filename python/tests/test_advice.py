@@ -130,7 +130,7 @@ def test_residuesBoundToUnknownOnesAreNotNamed(runHere, tmp_path):
         pdbLine(99 + number, name, "NAG", "L", 1, *(ends[0] + far * (ends[1] - ends[0])), record="HETATM")
         for number, (name, far) in enumerate((("C1", 1.4), ("O5", 2.7)))
     ]
-    writePDB(tmp_path / "structure.pdb", [*lines, "TER", *sugar])
+    writePDB(tmp_path / "structure.pdb", [*lines, "TER", *sugar, f"CONECT{carbon[6:11]}   99"])
     refused = runHere("structure.pdb", "--forcefield", PROTEIN)
     assertRefused(refused, tmp_path, ["structure.pdb"], "does not have (1): L:NAG 1: ", '--leave-out "resname NAG"')
     assert "bound to" not in refused.stderr
