@@ -129,7 +129,7 @@ def test_states(run, tmp_path, place):
             10**9,
             "replicas: 1000000000 is more than 10,000; the environment variable CHAINTREE_MAX_REPLICAS raises",
         ),
-        (("settings", "trials"), 10**15, "run-replica-0.dcd: "),
+        (("settings", "trials"), 10**15, "run-index.csv: is not the index that the run has written"),
         (("temporary",), "../mine.json", "temporary is missing or wrong in it"),
         (("settings", "scheduler"), "tcp://127.0.0.1:1", "scheduler is no setting of this command"),
     ],

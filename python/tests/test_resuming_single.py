@@ -6,6 +6,7 @@ import shutil
 import signal
 import subprocess
 import time
+import zlib
 
 import commands
 import pytest
@@ -72,6 +73,29 @@ def test_damagedFiles(resume, tmp_path, name, what, words):
     before = {path: (tmp_path / path).read_bytes() for path in filesIn(tmp_path)}
     assertRefused(resume(), tmp_path, sorted(before), words)
     assert before == {path: (tmp_path / path).read_bytes() for path in before}
+
+
+def test_anIndexOfAnotherVersion(runHere, tmp_path, monkeypatch, capsys):
+    """The table of frames of 0.2 has fewer columns: nothing changes, not even frames after the checkpoint."""
+    with monkeypatch.context() as patches, pytest.raises(Killed):
+        killAfter(patches, replicarun, "writeCheckpoint", 3, True)
+        runHere(*HARD, "-o", "run", "--checkpoint-interval", 0)
+    capsys.readouterr()
+    path = tmp_path / "run.checkpoint"
+    header, checkpoints = checkpointfile.readCheckpoint(path)
+    index = tmp_path / "run.csv"
+    rows = [line.split(",") for line in index.read_bytes()[: header["index"][0]].decode().splitlines()]
+    former = "".join(f"{frame},{row[0]},0,,,{row[1]}\n" for frame, row in enumerate(rows[1:]))
+    former = f"frame,trials,replica,temperature,potentialEnergy,radiusOfGyration\n{former}".encode()
+    index.write_bytes(former + b"1")
+    del header["version"], header["digests"]
+    header["index"] = [len(former), zlib.crc32(former)]
+    checkpointfile.writeCheckpoint(path, header, checkpoints.values())
+    before = {name: (tmp_path / name).read_bytes() for name in filesIn(tmp_path)}
+    monkeypatch.chdir(tmp_path)
+    result = runHere("--resume", "run.checkpoint")
+    assertRefused(result, tmp_path, sorted(before), "run.csv: has the columns of another version of openmm-chaintree")
+    assert before == {name: (tmp_path / name).read_bytes() for name in before}
 
 
 def test_anotherStructure(resume, tmp_path):

@@ -40,17 +40,12 @@ class IndexFile(GrowingFile):
     per cent. A single run has the table of `SampleReporter`.
     """
 
-    def __init__(self, output, isSingle, start, mark=None, rows=0):
-        """Begin the file of an Output, or resume it at a mark, after `rows` rows. start : IndexRow, for its columns"""
-        if isSingle:
-            header = headerOf(start.energy is not None, start.shape.endToEndDistance is not None)
-        else:
-            header = _asLine(_NAMES)
+    def __init__(self, output, isSingle, start, mark=None):
+        """Begin the file of an Output, or resume it at a mark. start : IndexRow, for its columns"""
+        header = _headerOf(isSingle, start)
         self._describe = _describeFrame if isSingle else _describeReplica
         if mark is not None:
             size, self._checksum = mark
-            if output.path.is_file() and _linesIn(output.path, size) != 1 + rows:
-                raise InputError(f"{output.name}: is not the index that the run has written")
             self.resume(output, size, header.encode(), "index", checksum=self._checksum)
             return
         self.begin(output)
@@ -76,14 +71,30 @@ class IndexFile(GrowingFile):
         self._checksum = zlib.crc32(data, self._checksum)
 
 
-def _linesIn(path, size):
-    """Return the number of lines in the first `size` bytes of a file."""
-    lines = 0
-    with open(path, "rb") as file:
-        while size > 0 and (piece := file.read(min(size, 1 << 20))):
-            lines += piece.count(b"\n")
-            size -= len(piece)
-    return lines
+def checkIndex(output, isSingle, start, mark, rows):
+    """Refuse the index of an Output that cannot be resumed at a mark, after `rows` rows, before any file changes.
+
+    Raises
+    ------
+    InputError
+        if it is missing, is not what the run has written, or has the columns of another version
+    """
+    size, checksum = mark
+    with output.openThere() as file, output.explainingErrors():
+        content = file.read(min(size, output.path.stat().st_size))
+    if len(content) < size or zlib.crc32(content) != checksum or content.count(b"\n") != 1 + rows:
+        raise InputError(f"{output.name}: is not the index that the run has written")
+    if not content.startswith(_headerOf(isSingle, start).encode()):
+        raise InputError(
+            f"{output.name}: has the columns of another version of openmm-chaintree: resume with that version, or "
+            "start a new run"
+        )
+
+
+def _headerOf(isSingle, start):
+    if isSingle:
+        return headerOf(start.energy is not None, start.shape.endToEndDistance is not None)
+    return _asLine(_NAMES)
 
 
 def _describeFrame(row):

@@ -2,7 +2,7 @@
 
 from contextlib import ExitStack
 
-from .indexfile import IndexFile, IndexRow
+from .indexfile import IndexFile, IndexRow, checkIndex
 from .trajectories import FORMATS
 
 
@@ -53,12 +53,14 @@ class ReplicaFiles:
         topology, positions, schedule = start.structure.topology, start.structure.positions, plan.schedule
         frames = 0 if isNew else 1 + schedule.framesBefore(round)
         self._nextFrame = max(1, frames)
+        begin = [self._row(0, *place, positions, start.startEnergy) for place in self._startPlaces()]
+        if not isNew:
+            checkIndex(outputs["index"], choice.isSingle, begin[0], indexMark, frames * len(plan.seeds))
         try:
             for output in outputs["trajectories"]:
                 place = schedule.interval, 1 + schedule.frames, frames
                 self.trajectories.append(FORMATS[choice.format](output, topology, positions, *place))
-            begin = [self._row(0, *place, positions, start.startEnergy) for place in self._startPlaces()]
-            self.index = IndexFile(outputs["index"], choice.isSingle, begin[0], indexMark, frames * len(plan.seeds))
+            self.index = IndexFile(outputs["index"], choice.isSingle, begin[0], indexMark)
             if isNew:
                 self.index.write(begin)
         except BaseException:
