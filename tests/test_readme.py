@@ -44,11 +44,13 @@ JOB_COMMANDS = commandsOf(JOBS)
 def test_theJobRuns(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copy(PACKAGE_FILE, tmp_path / "my.pdb")
-    few = ["--trials", "400", "--frames", "1", "-o", "few"] if words[1] == "sample" else []
+    (tmp_path / "my.fasta").write_text(">short\nGSGSGS\n")
+    sample, ensemble = ["--trials", "400", "--frames", "1", "-o", "few"], ["--conformers", "20", "--workers", "1"]
+    few = {"sample": sample, "ensemble": ensemble}.get(words[1], [])
     if "--temperatures" in words:  # Contexts of twelve replicas take long
         words[words.index("--temperatures") + 1] = "300:320:2"
     output = runCommand([*words, *few], capsys)
-    assert "few.png" in output if few else "1,000 atoms" in output
+    assert {"sample": "few.png", "ensemble": "my-ensemble", "clashes": "1,000 atoms"}[words[1]] in output
 
 
 def test_theExamplesInPythonRun(tmp_path, monkeypatch):
