@@ -17,6 +17,7 @@ from . import _build  # noqa: E402
 from .bondlengths import setBondLengths  # noqa: E402
 from .calvados import CalvadosSystem, createCalvadosSystem  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .clashscores import scoreClashes  # noqa: E402
 from .coil import coilDensities, createCoilForce  # noqa: E402
 from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
@@ -87,6 +88,7 @@ __all__ = [
     "ramachandranDensities",
     "rotamerDensities",
     "sampleEnsemble",
+    "scoreClashes",
     "selectAtoms",
     "setBondLengths",
 ]

@@ -29,6 +29,7 @@ _MODULES = {
 # Public calls of the core that need an extra import its modules when they are called.
 _LATE = {
     ("clashes", "structures.clashsearch"),
+    ("clashscores", "scoring.modelscores"),
     ("ensemble", "ensembles.beadrun"),
     ("ensemble", "ensembles.chainshape"),  # for annotations
     ("ensemble", "statistics.estimates"),
@@ -200,7 +201,7 @@ def requirements(table, names):
 
 def test_anExtraHasEachPackage():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
-    extras = requirements(project["project"]["optional-dependencies"], ("tools", "report", "cluster"))
+    extras = requirements(project["project"]["optional-dependencies"], ("tools", "report", "poses", "cluster"))
     assert extras <= requirements(project["dependency-groups"], ("tools",))
     assert project["tool"]["scikit-build"]["metadata"]["dependencies"]["others"] == ["numpy"]
     names = {re.match("[A-Za-z0-9-]+", entry)[0].lower().replace("-", "_") for entry in extras}
