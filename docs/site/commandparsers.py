@@ -1,7 +1,7 @@
 """The parsers of the commands, for the page that lists their options; the text after the options, as on other pages."""
 
 from docutils import nodes
-from openmmchaintree.command import clashes, ensemble, sample
+from openmmchaintree.command import clashes, ensemble, repair, sample
 from openmmchaintree.command.arguments import Parser
 
 
@@ -16,6 +16,10 @@ def sampleParser():
 
 def clashesParser():
     return _parserOf("clashes", clashes)
+
+
+def repairParser():
+    return _parserOf("repair", repair)
 
 
 def ensembleParser():

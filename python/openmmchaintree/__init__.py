@@ -22,7 +22,6 @@ from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
 from .errors import InputError  # noqa: E402
-from .missing import BuiltStructure, buildMissing  # noqa: E402
 from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
@@ -38,6 +37,7 @@ from .openmmchaintree import (  # noqa: E402
     TraversalStatistics,
 )
 from .ownclasses import registerClasses  # noqa: E402
+from .repair import Repair, repairStructure  # noqa: E402
 from .replicaexchange import ParallelReplicaExchangeSampler  # noqa: E402
 from .reporter import ClashError, ClashReporter  # noqa: E402
 from .samplereporter import SampleReporter  # noqa: E402
@@ -54,7 +54,6 @@ __all__ = [
     "AddedMove",
     "AddedMoves",
     "AtomName",
-    "BuiltStructure",
     "CalvadosSystem",
     "Clash",
     "ClashError",
@@ -70,6 +69,7 @@ __all__ = [
     "OuterStatistics",
     "ParallelReplicaExchangeSampler",
     "PlannedEnergy",
+    "Repair",
     "SampleReporter",
     "StageStatistics",
     "StericExclusionForce",
@@ -79,7 +79,6 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "addDefaultMoves",
-    "buildMissing",
     "coilDensities",
     "createCalvadosSystem",
     "createCoilForce",
@@ -88,6 +87,7 @@ __all__ = [
     "findClashes",
     "findTorsions",
     "ramachandranDensities",
+    "repairStructure",
     "rotamerDensities",
     "sampleEnsemble",
     "selectAtoms",

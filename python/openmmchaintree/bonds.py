@@ -44,7 +44,8 @@ class BondGraph(BondSearch):
         positions : numpy array of shape (n, 3), optional
             nm; with them, bonds between residues are checked for gaps
         cutDisulfides, cutMetals : bool
-            leave disulfide bonds, or bonds between metals and other residues, out of `bonds`
+            leave disulfide bonds, or bonds between metals and other residues, out of `bonds`; cutDisulfides may also
+            be a list of pairs, lower index first: the disulfides to leave out, which are no closures
         closures : "disulfides", "loops" or an iterable of these and of (int, int), optional
             bonds that become closures; "disulfides" are the disulfides that close a ring, "loops" the last bond of each
             loop between fixed atoms
@@ -58,16 +59,20 @@ class BondGraph(BondSearch):
         if topology.getNumAtoms() == 0:
             raise ValueError("the Topology has no atoms")
         super().__init__(topology, positions, others, beads)
-        closing = self._bondsOf(closures, fixed)
-        cut = [*(self.disulfides if cutDisulfides else []), *(self.metalBonds if cutMetals else [])]
+        open_ = cutDisulfides if isinstance(cutDisulfides, list) else []
+        closing = self._bondsOf(closures, fixed, open_)
+        cut = [*(self.disulfides if cutDisulfides is True else open_), *(self.metalBonds if cutMetals else [])]
         self.cut = [bond for bond in cut if bond not in closing]
         areCut = closing.union(self.cut)
         self.bonds = [bond for bond in self.bonds if bond not in areCut]
         self.neighbors = neighborLists(len(self.atoms), self.bonds)
         self.closures = [(self._neighborOf(a), a, b, self._neighborOf(b)) for a, b in sorted(closing)]
 
-    def _bondsOf(self, closures, fixed):
-        """Return the bonds that are to be closures as a set of (lower, higher) index."""
+    def _bondsOf(self, closures, fixed, open_):
+        """Return the bonds that are to be closures as a set of (lower, higher) index.
+
+        open_ : list of (int, int), disulfides that are no closures
+        """
         closing = set()
         known = set(self.bonds)
         for which in (closures,) if isinstance(closures, str) else closures:
@@ -77,19 +82,21 @@ class BondGraph(BondSearch):
                     raise ValueError(f"closures names atoms {atom1} and {atom2}, which are not bonded")
                 closing.add((atom1, atom2))
             elif which == DISULFIDES:
-                closing |= self._disulfidesInRings()
+                closing |= self._disulfidesInRings(open_)
             elif which == LOOPS:
                 closing |= loopBonds(self.atoms, self.bonds, fixed)
             else:
                 raise ValueError(f'closures must be "disulfides", "loops" or pairs of atoms, not {which!r}')
         return closing
 
-    def _disulfidesInRings(self):
+    def _disulfidesInRings(self, open_):
         """Return the disulfides that close a ring; others hold parts together that no other bond joins."""
         closing = set()
         others = set(self.bonds).difference(self.disulfides)
         parts = connectedParts(len(self.atoms), sorted(others))
         for atom1, atom2 in self.disulfides:
+            if (atom1, atom2) in open_:
+                continue
             if parts[atom1] == parts[atom2]:
                 closing.add((atom1, atom2))
             parts[parts == parts[atom2]] = parts[atom1]

@@ -19,7 +19,7 @@ from openmmchaintree.structures.trajectory import Trajectory
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
 # From the bottom up. The core is all modules that lie in no folder.
-_LAYERS = ("", "structures", "scoring", "building", "statistics", "ensembles", "replicas", "command")
+_LAYERS = ("", "structures", "scoring", "repairs", "statistics", "ensembles", "replicas", "command")
 _MODULES = {
     path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
     for path in _PACKAGE.rglob("*.py")
@@ -31,11 +31,11 @@ _LATE = {
     ("clashes", "structures.clashsearch"),
     ("ensemble", "ensembles.beadrun"),
     ("ensemble", "ensembles.chainshape"),  # for annotations
-    ("ensemble", "ensembles.coilrun"),
     ("ensemble", "statistics.estimates"),
-    ("missing", "building.coildraws"),
-    ("missing", "building.missingresidues"),
-    ("missing", "structures.structure"),
+    ("repair", "repairs.run"),
+    ("repair", "repairs.causes"),  # for annotations
+    ("repair", "repairs.changes"),
+    ("repair", "scoring.protonation"),
 }
 
 # Packages that the core may import: always, and where one module says in one sentence what is missing.

@@ -16,6 +16,7 @@ from .terminal import BAD_INPUT, INTERRUPTED, NOBODY_READS, TERMINATED, Terminat
 _COMMANDS = {
     "sample": "sample the torsions of proteins and nucleic acids",
     "clashes": "find the clashes in a structure or trajectory",
+    "repair": "remove the clashes of a model",
     "ensemble": "sample conformers of disordered proteins, a bead for each residue",
 }
 

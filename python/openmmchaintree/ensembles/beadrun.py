@@ -46,12 +46,5 @@ def sampleBeads(topology, system, positions, temperature, seed, conformers, maxT
     found = run.sample(conformers, maxTrials)
     shapes = ChainShape(*found.values.values())
     return Ensemble(
-        topology,
-        found.frames,
-        shapes,
-        found.estimates,
-        found.effectiveSampleSize,
-        found.trials,
-        found.isComplete,
-        np.arange(len(positions)),
+        topology, found.frames, shapes, found.estimates, found.effectiveSampleSize, found.trials, found.isComplete
     )

@@ -69,9 +69,9 @@ class _Repair:
         for number, line in enumerate(given):
             record = line[:6].rstrip().upper()
             if record in ("ATOM", "HETATM"):
-                if not _hasCoordinates(line):
+                if not hasCoordinates(line):
                     line = _shiftBack(line)
-                if not _hasCoordinates(line):
+                if not hasCoordinates(line):
                     damage = f"line {number + 1} has no coordinates where they should be (columns 31 to 54)"
                     break
                 if not self._isOpen:
@@ -141,7 +141,8 @@ class _Repair:
 _DIGITS = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZ"
 
 
-def _hasCoordinates(line):
+def hasCoordinates(line):
+    """Return whether a line of an atom has its coordinates in columns 31 to 54."""
     if len(line) < _COORDINATES[-1].stop:
         return False
     try:

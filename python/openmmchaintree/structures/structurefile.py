@@ -69,7 +69,7 @@ def readFile(path):
     InputError
         if the file, or its first model, cannot be read
     """
-    data = _readBytes(path)
+    data = readBytes(path)
     cells = damage = None
     suffix = Path(str(path).lower().removesuffix(".gz").removesuffix(".bz2")).suffix
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
@@ -78,7 +78,7 @@ def readFile(path):
         structure, cells, damage = readGro(path, data.decode("utf-8", errors="replace"))
     elif suffix in MOLECULE_SUFFIXES:
         structure, damage = readMolecules(path, data.decode("utf-8", errors="replace"), suffix)
-    elif _isMmCIF(data):
+    elif isMmCIF(data):
         structure = _readMmCIF(path, data.decode("utf-8", errors="replace"))
     else:
         structure, cells, damage = _readPDB(path, data)
@@ -90,7 +90,7 @@ def readFile(path):
     return structure, cells or [structure.cell] * len(structure), damage
 
 
-def _readBytes(path):
+def readBytes(path):
     """Return the content of a file, decompressed."""
     try:
         with open(path, "rb") as file:
@@ -113,8 +113,8 @@ def _decompress(path, file):
         raise InputError(f"{path}: cannot be decompressed ({error})") from error
 
 
-def _isMmCIF(data):
-    """Whether bytes are those of a CIF file: they begin with a data block, after comments."""
+def isMmCIF(data):
+    """Return whether bytes are those of a CIF file: they begin with a data block, after comments."""
     place = 0
     while skipped := _BEFORE_DATA.match(data, place):
         place = skipped.end()

@@ -1,1 +1,0 @@
-"""Builds residues that a model lacks, in ideal geometry."""

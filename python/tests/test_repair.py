@@ -1,0 +1,227 @@
+"""Repairing structures from Python: what moves, what stays, and how far."""
+
+import numpy as np
+import pytest
+from openmm import app, unit
+from openmmchaintree import InputError, repairStructure, selectAtoms
+from openmmchaintree.bonds import BondGraph
+from openmmchaintree.repairs.carrying import carryAlong
+from openmmchaintree.repairs.defects import findDefects
+from openmmchaintree.scoring.clashscore import clashscore
+from openmmchaintree.scoring.protonation import withHydrogens
+from openmmchaintree.structures.structure import readStructure
+from openmmchaintree.torsions import searchTorsions
+from repairmodels import villinPacked
+
+
+@pytest.fixture(scope="module")
+def packed():
+    return villinPacked()
+
+
+@pytest.fixture(scope="module")
+def repaired(packed):
+    return repairStructure(*packed)
+
+
+def named(topology, *names):
+    return [atom.index for atom in topology.atoms() if atom.name in names]
+
+
+def test_clashesGo(packed, repaired):
+    topology, positions = packed
+    assert repaired.clashscoreBefore > 20
+    assert repaired.clashscoreAfter <= 2 and repaired.isClean
+    # The scores are those of the positions, with hydrogens placed for them.
+    for given, score in ((positions, repaired.clashscoreBefore), (repaired.positions, repaired.clashscoreAfter)):
+        protonated = withHydrogens(topology, given)
+        assert clashscore(protonated.topology, protonated.positions).score == score
+
+
+def test_bondsAndAnglesStay(packed, repaired):
+    """All distances of atoms up to two bonds apart, also of the hydrogens that were given."""
+    topology, positions = packed
+    graph = BondGraph(topology, positions)
+    pairs = set(graph.bonds)
+    for near in graph.neighbors:
+        pairs |= {(first, second) for first in near for second in near if first < second}
+    first, second = np.array(sorted(pairs)).T
+    before = np.linalg.norm(positions[first] - positions[second], axis=1)
+    after = np.linalg.norm(repaired.positions[first] - repaired.positions[second], axis=1)
+    assert np.abs(after - before).max() < 1e-9
+
+
+def test_shiftsAreThoseOfThePositions(packed, repaired):
+    topology, positions = packed
+    shifts = np.linalg.norm(repaired.positions - positions, axis=1)
+    changes = repaired.changes
+    traces = shifts[named(topology, "CA")]
+    assert changes.traceRms == pytest.approx(np.sqrt((traces**2).mean()), abs=1e-12)
+    assert changes.traceLargest == pytest.approx(traces.max(), abs=1e-12)
+    assert changes.traceRms < 0.04
+    heavy = [atom.index for atom in topology.atoms() if atom.element is not app.element.hydrogen]
+    assert changes.rms == pytest.approx(np.sqrt((shifts[heavy] ** 2).mean()), abs=1e-12)
+    assert len(changes.residues) == topology.getNumResidues()
+    assert 0 < changes.rotamersChanged < changes.rotamers
+
+
+def test_sameSeedSameResult(packed, repaired):
+    assert np.array_equal(repairStructure(*packed).positions, repaired.positions)
+    assert not np.array_equal(repairStructure(*packed, seed=2).positions, repaired.positions)
+
+
+def test_aCleanModelStays():
+    villin = readStructure()
+    result = repairStructure(villin.topology, villin.positions)
+    assert result.clashscoreAfter <= result.clashscoreBefore
+    assert result.changes.traceRms < 0.01
+
+
+def test_units(packed, repaired):
+    topology, positions = packed
+    result = repairStructure(topology, (10 * positions) * unit.angstrom, maxShift=3 * unit.angstrom)
+    assert result.clashscoreAfter <= 2
+
+
+def test_fixedAtomsKeepAllTheirBits(packed):
+    topology, positions = packed
+    fixed = "resSeq 5 to 18"
+    result = repairStructure(topology, positions, fixed=fixed)
+    chosen = selectAtoms(topology, fixed)
+    assert np.array_equal(result.positions[chosen], positions[chosen])
+    assert result.clashesAfter < result.clashesBefore
+    moved = np.flatnonzero((result.positions != positions).any(axis=1))
+    assert len(moved) > 0
+
+
+def test_onlyChosenAtomsMove(packed):
+    topology, positions = packed
+    chosen = selectAtoms(topology, "resSeq 12 to 25")
+    result = repairStructure(topology, positions, move=chosen)
+    moved = np.flatnonzero((result.positions != positions).any(axis=1))
+    assert len(moved) > 0 and set(moved.tolist()) <= set(chosen.tolist())
+
+
+def test_sideChainsAlone(packed):
+    topology, positions = packed
+    result = repairStructure(topology, positions, sideChainsOnly=True)
+    backbone = named(topology, "N", "CA", "C", "O", "CB")
+    assert np.array_equal(result.positions[backbone], positions[backbone])
+    assert result.clashesAfter < result.clashesBefore / 2
+
+
+def test_theLargestShift(packed):
+    topology, positions = packed
+    result = repairStructure(topology, positions, maxShift=0.01)
+    assert result.changes.traceLargest <= 0.01
+
+
+def test_hydrogensFollow(packed, repaired):
+    """A model without hydrogens is repaired as well as one with them, to the same places."""
+    topology, positions = packed
+    heavy = [atom for atom in topology.atoms() if atom.element is not app.element.hydrogen]
+    modeller = app.Modeller(topology, positions * unit.nanometer)
+    modeller.delete([atom for atom in topology.atoms() if atom.element is app.element.hydrogen])
+    result = repairStructure(modeller.topology, modeller.positions)
+    assert len(result.positions) == len(heavy)
+    assert np.allclose(result.positions, repaired.positions[[atom.index for atom in heavy]], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        ({"seed": 0}, "seed must be from 1"),
+        ({"maxShift": 0}, "maxShift must be above 0"),
+        ({"maxShift": float("nan")}, "maxShift must be above 0"),
+        ({"fixed": "all"}, "nothing may move"),
+        ({"interface": ("A", "Q")}, "there is no chain 'A'"),
+        ({"move": "resSeq 1000"}, "selects no atom"),
+    ],
+)
+def test_wrongArguments(packed, change, message):
+    with pytest.raises(ValueError, match=message):
+        repairStructure(*packed, **change)
+
+
+@pytest.mark.parametrize(
+    "names, message", [({"CA"}, "only Cα atoms"), ({"N", "CA", "C", "O", "H", "HA", "CB"}, "no side chains")]
+)
+def test_incompleteModels(names, message):
+    villin = readStructure()
+    modeller = app.Modeller(villin.topology, villin.positions * unit.nanometer)
+    modeller.delete([atom for atom in villin.topology.atoms() if atom.name not in names])
+    with pytest.raises(InputError, match=message):
+        repairStructure(modeller.topology, modeller.positions)
+
+
+def test_waterAloneIsRefused():
+    topology = app.Topology()
+    topology.addAtom("O", app.element.oxygen, topology.addResidue("HOH", topology.addChain()))
+    with pytest.raises(InputError, match="no protein and no nucleic acid"):
+        repairStructure(topology, np.zeros((1, 3)))
+
+
+# ---- Defects ----
+
+
+def defectsAt(positions, topology):
+    graph = BondGraph(topology, positions)
+    return findDefects(graph, positions, searchTorsions(graph, topology, ["omega"]).torsions)
+
+
+def test_aSoundModelHasNoDefects():
+    villin = readStructure()
+    assert defectsAt(villin.positions, villin.topology) == []
+
+
+def test_brokenBondsAreNamed():
+    villin = readStructure()
+    positions = villin.positions.copy()
+    lysine = next(residue for residue in villin.topology.residues() if residue.name == "LYS")
+    atoms = {atom.name: atom.index for atom in lysine.atoms()}
+    shift = positions[atoms["NZ"]] - positions[atoms["CE"]]
+    for name in ("NZ", "HZ1", "HZ2", "HZ3"):
+        positions[atoms[name]] += 0.4 * shift
+    (defect,) = defectsAt(positions, villin.topology)
+    assert defect.kind == "broken bond" and "CE" in defect.text and "NZ" in defect.text
+
+
+def test_piercedRingsAreNamed():
+    """The end of a lysine, turned and shifted through the ring of a phenylalanine."""
+    villin = readStructure()
+    positions = villin.positions.copy()
+    residues = list(villin.topology.residues())
+    ring = next(residue for residue in residues if residue.name == "PHE")
+    lysine = next(residue for residue in residues if residue.name == "LYS")
+    corners = [atom.index for atom in ring.atoms() if atom.name in ("CG", "CD1", "CD2", "CE1", "CE2", "CZ")]
+    atoms = {atom.name: atom.index for atom in lysine.atoms()}
+    center = positions[corners].mean(axis=0)
+    normal = np.cross(positions[corners[1]] - positions[corners[0]], positions[corners[2]] - positions[corners[0]])
+    normal /= np.linalg.norm(normal)
+    length = np.linalg.norm(positions[atoms["CE"]] - positions[atoms["NZ"]])
+    moved = [atom.index for atom in lysine.atoms()]
+    middle = 0.5 * (positions[atoms["CE"]] + positions[atoms["NZ"]])
+    axis = (positions[atoms["NZ"]] - positions[atoms["CE"]]) / length
+    # Turn the lysine so that its last bond lies along the normal.
+    v, c = np.cross(axis, normal), axis @ normal
+    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
+    turn = np.eye(3) + cross + cross @ cross / (1 + c)
+    positions[moved] = center + (positions[moved] - middle) @ turn.T
+    graph = BondGraph(villin.topology)
+    graph.positions = positions
+    kinds = [defect.text for defect in findDefects(graph, positions, []) if defect.kind == "pierced ring"]
+    assert any("LYS" in text and "PHE" in text for text in kinds)
+
+
+def test_pointsFollowTheirAtoms():
+    """Points that follow a rigid motion of four atoms make it, too."""
+    random = np.random.default_rng(1)
+    start, points = random.normal(size=(4, 3)), random.normal(size=(2, 3))
+    turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    end = start @ turn.T + 5
+    neighbors = [[1], [0, 2, 3], [1], [1]]
+    followed = carryAlong(neighbors, start, end, np.array([0, 1]), points)
+    assert np.allclose(followed, points @ turn.T + 5, atol=1e-12)
+    alone = carryAlong([[]], start[:1], end[:1], np.array([0]), points[:1])
+    assert np.allclose(alone, points[:1] + end[0] - start[0])
