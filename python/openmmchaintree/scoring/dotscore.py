@@ -16,58 +16,78 @@ _HYDROGEN_BOND, _CHARGED_BOND = 0.06, 0.08
 _BUMP, _BOND = 5.0, 2.0
 
 
-def scorePlaces(atoms, atom, places, others, positions, hiding, hidingPlaces, onlyBumps=False, weights=None):
-    """Return the scores of places of an atom, a (k,) array.
+def scorePlaces(atoms, atom, places, others, positions, hiding, moving, onlyBumps=False, weights=None):
+    """Return the scores of orientations of a group, as one of its atoms contributes to them: a (k,) array.
 
     Parameters
     ----------
     atoms : ContactAtoms
     atom : int
-    places : (k, 3) array, nm
+    places : (k, 3) array, or (1, 3) for an atom that stays, nm
     others : (m,) int array
         the atoms that it may touch, at positions
     positions : (n, 3) array, nm
     hiding : (h,) int array
-        the atoms that are bonded to it, inside which no dot counts
-    hidingPlaces : (k, h, 3) array, nm
+        the atoms that bonds join to it, inside which no dot counts, at positions
+    moving : list of (radius, (k, 3) array), nm
+        more such atoms, at their places in each orientation
     onlyBumps : bool
         whether hydrogen bonds cost, too
     weights : (m,) array, optional
         what counts for dots in each of the others
     """
-    own = atoms.flags[atom]
-    flags = atoms.flags[others]
+    radius = float(atoms.radii[atom])
+    count = max([len(places), *(len(points) for _, points in moving)])
+    isBond, areCharged = _hydrogenBonds(atoms.flags[atom], atoms.flags[others])
+    vectors = places[:, None] - positions[others]
+    apart = (vectors**2).sum(axis=2)
+    touches = (apart < (radius + atoms.radii[others]) ** 2) & (isBond | (atoms.flags[others] & DUMMY == 0))
+    touches &= others != atom
+    isUsed = touches.any(axis=0)
+    if not isUsed.any():
+        return np.zeros(count)
+    others, isBond, areCharged, touches = others[isUsed], isBond[isUsed], areCharged[isUsed], touches[:, isUsed]
+    dots = dotSphere(radius)
+    # |place + dot - other|^2 for each place, dot and other.
+    squares = apart[:, None, isUsed] + radius**2 + 2 * (dots @ vectors[:, isUsed].transpose(0, 2, 1))
+    rows, columns, targets = np.nonzero((squares < atoms.radii[others] ** 2) & touches[:, None])
+    gaps = np.sqrt(np.maximum(squares[rows, columns, targets], 0)) - atoms.radii[others[targets]]
+    # Of each dot the atom in which it lies deepest.
+    order = np.lexsort((gaps, rows * len(dots) + columns))
+    keys = (rows * len(dots) + columns)[order]
+    order = order[np.diff(keys, prepend=-1) > 0]
+    rows, columns, targets, gaps = rows[order], columns[order], targets[order], gaps[order]
+    reached = places[rows] + dots[columns]
+    hidden = (((reached[:, None] - positions[hiding]) ** 2).sum(axis=2) < atoms.radii[hiding] ** 2).any(axis=1)
+    rows, targets, gaps, reached = rows[~hidden], targets[~hidden], gaps[~hidden], reached[~hidden]
+    values = _values(gaps, isBond[targets], areCharged[targets], onlyBumps)
+    if weights is not None:
+        values *= weights[isUsed][targets]
+    if len(places) < count:  # all dots, in each orientation
+        isFree = np.ones((count, len(values)), dtype=bool)
+        for other, points in moving:
+            isFree &= ((reached - points[:, None]) ** 2).sum(axis=2) >= other**2
+        return isFree @ values
+    for other, points in moving:
+        values[((reached - points[rows]) ** 2).sum(axis=1) < other**2] = 0
+    return np.bincount(rows, weights=values, minlength=count)
+
+
+def _hydrogenBonds(own, flags):
+    """Return which atoms may be hydrogen bonded to one, by their flags, and which of both are charged."""
     isBond = ((own & DONOR > 0) & (flags & ACCEPTOR > 0)) | ((own & ACCEPTOR > 0) & (flags & DONOR > 0))
     areCharged = (own & (POSITIVE | NEGATIVE) > 0) & (flags & (POSITIVE | NEGATIVE) > 0)
     opposite = ((own & POSITIVE > 0) & (flags & NEGATIVE > 0)) | ((own & NEGATIVE > 0) & (flags & POSITIVE > 0))
-    isBond &= ~areCharged | opposite
-    radius = float(atoms.radii[atom])
-    vectors = places[:, None] - positions[others]
-    distances = np.sqrt((vectors**2).sum(axis=2))
-    touches = (distances < radius + atoms.radii[others]) & (isBond | (flags & DUMMY == 0)) & (others != atom)
-    isUsed = touches.any(axis=0)
-    if not isUsed.any():
-        return np.zeros(len(places))
-    others, isBond, areCharged = others[isUsed], isBond[isUsed], areCharged[isUsed]
-    dots = dotSphere(radius)
-    # |place + dot - other|^2 for each place, dot and other.
-    squares = (distances[:, isUsed] ** 2)[:, None] + radius**2 + 2 * (dots @ vectors[:, isUsed].transpose(0, 2, 1))
-    gaps = np.sqrt(np.maximum(squares, 0)) - atoms.radii[others]
-    gaps[np.broadcast_to(~touches[:, None, isUsed], gaps.shape)] = np.inf
-    nearest = gaps.argmin(axis=2)
-    least = np.take_along_axis(gaps, nearest[..., None], axis=2)[..., 0]
-    rows, columns = np.nonzero(least < 0)
-    nearest, least = nearest[rows, columns], least[rows, columns]
-    if len(hiding):
-        reached = places[rows] + dots[columns]
-        hidden = ((reached[:, None] - hidingPlaces[rows]) ** 2).sum(axis=2) < atoms.radii[hiding] ** 2
-        least[hidden.any(axis=1)] = 0
-    allowed = np.where(areCharged, _CHARGED_BOND, _HYDROGEN_BOND)[nearest]
-    bonded = isBond[nearest]
-    values = _BUMP * least
-    values[bonded & (least >= -allowed)] *= -_BOND / _BUMP if not onlyBumps else 1
-    tooDeep = bonded & (least < -allowed)
-    values[tooDeep] = _BUMP * (least + allowed)[tooDeep]
-    if weights is not None:
-        values *= weights[isUsed][nearest]
-    return np.bincount(rows, weights=values, minlength=len(places))
+    return isBond & (~areCharged | opposite), areCharged
+
+
+def _values(gaps, areBonds, areCharged, onlyBumps):
+    """Return what dots count by their gaps (nm)."""
+    values = _BUMP * gaps
+    allowed = np.where(areCharged, _CHARGED_BOND, _HYDROGEN_BOND)
+    tooDeep = areBonds & (gaps < -allowed)
+    values[tooDeep] = _BUMP * (gaps + allowed)[tooDeep]
+    if not onlyBumps:
+        good = areBonds & ~tooDeep
+        values[good] = -_BOND * gaps[good]
+    return values

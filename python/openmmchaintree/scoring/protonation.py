@@ -17,7 +17,7 @@ _FLIPPING = {"ASN": ("ND2",), "GLN": ("NE2",), "HIS": ("CD2", "CE1", "ND1", "NE2
 class Protonated(NamedTuple):
     """A structure with hydrogens.
 
-    topology : openmm.app.Topology, the hydrogens of each residue after its other atoms
+    topology : openmm.app.Topology, the hydrogens of each residue after its other atoms; their bonds are not listed
     positions : (n, 3) float64 array, nm
     origins : (n,) int array, the particle of the given Topology that each atom is, -1 for an added hydrogen
     bearers : (n,) int array, the same, but for an added hydrogen the particle that bears it
@@ -38,7 +38,7 @@ def withHydrogens(topology, positions):
     residues keep theirs.
     """
     kept = np.array([atom.index for atom in topology.atoms() if not _isReplaced(atom)], dtype=int)
-    bare, _ = _build(topology, kept, [], kept[:0])
+    bare = topology if len(kept) == topology.getNumAtoms() else _build(topology, kept, [], kept[:0])[0]
     placed = placeHydrogens(bare, positions[kept])
     whole, order = _build(topology, kept, placed.names, kept[placed.parents])
     index = np.empty(len(order), dtype=int)
@@ -96,8 +96,7 @@ def _build(topology, kept, names, bearers):
                 order.append(numbers[atom.index])
             for atom in own:
                 for hydrogen in onAtom.get(atom.index, ()):
-                    added = built.addAtom(names[hydrogen], app.element.hydrogen, newResidue)
-                    built.addBond(copies[atom.index], added)
+                    built.addAtom(names[hydrogen], app.element.hydrogen, newResidue)
                     order.append(len(kept) + hydrogen)
     for bond in topology.bonds():
         if isKept[bond[0].index] and isKept[bond[1].index]:

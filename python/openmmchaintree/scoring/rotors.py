@@ -13,6 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from .contactatoms import ABSENT, ACCEPTOR, POSITIVE
+from .dotcontacts import areIn, bondedWithin, rowOf
 from .dotscore import scorePlaces
 from .hydrogens import TETRAHEDRAL, turnedPlace
 
@@ -74,13 +75,13 @@ class _Optimizer:
         for pair in histidines:
             self._groups.append(_Group([*atoms.parents[pair].tolist(), *pair], [0.0, 1.0], 0.0))
             self._neutralize(pair)
-        self._lengths = [
-            np.linalg.norm(positions[rotor.hydrogens[0]] - positions[rotor.axis[0]]) for rotor in self._rotors
-        ]
+        self._circles = [self._circleOf(rotor) for rotor in rotors]
         for rotor in self._rotors:
             if rotor.kind == "NH3":
                 self._atoms.flags[rotor.hydrogens] |= POSITIVE
         self._tree = cKDTree(positions)
+        self._bonded = bondedWithin(atoms, _BONDS)
+        self._isMarked = np.zeros(len(positions), dtype=bool)
         self._link()
         self._surroundings: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
@@ -129,7 +130,9 @@ class _Optimizer:
             return [_START + offset for offset in _aroundZero(4, _STEP_OF_THREE)]
         angles = self._anglesOfAcceptors(rotor)
         tried = [_START + offset for offset in _aroundZero(360 // _STEP, _STEP)]
-        tried = [angle for angle in tried if all(abs(_wrap(angle - other)) >= _STEP for other in angles)]
+        if angles:
+            apart = np.abs(_wrap(np.array(tried)[:, None] - np.array(angles))).min(axis=1)
+            tried = np.array(tried)[apart >= _STEP].tolist()
         best = tried[int(self._scores(number, tried, onlyBumps=True).argmax())] if tried else _START
         self._orient(number, best)
         merged: list[float] = []
@@ -170,15 +173,22 @@ class _Optimizer:
             self._atoms.flags[pair] &= ~ABSENT
             self._atoms.flags[pair[int(orientation)]] |= ABSENT
 
+    def _circleOf(self, rotor):
+        """Return the middle of the circle on which a rotor's hydrogens lie, and its places of dihedrals 0 and 90."""
+        points = [self._positions[atom][None] for atom in rotor.axis]
+        length = np.linalg.norm(self._positions[rotor.hydrogens[0]] - points[0])
+        zero, quarter, half = (
+            turnedPlace(*points, length, TETRAHEDRAL, dihedral)[0] for dihedral in (0.0, 90.0, 180.0)
+        )
+        middle = 0.5 * (zero + half)
+        return middle, zero - middle, quarter - middle
+
     def _placesAt(self, number, angles):
         """Return the places of a rotor's hydrogens at each of some angles, a (k, hydrogens, 3) array."""
-        rotor = self._rotors[number]
-        points = [np.repeat(self._positions[atom][None], len(angles), axis=0) for atom in rotor.axis]
-        offsets = (0.0, 120.0, -120.0)[: len(rotor.hydrogens)]
-        places = [
-            turnedPlace(*points, self._lengths[number], TETRAHEDRAL, np.array(angles) + offset) for offset in offsets
-        ]
-        return np.stack(places, axis=1)
+        middle, zero, quarter = self._circles[number]
+        offsets = np.array((0.0, 120.0, -120.0)[: len(self._rotors[number].hydrogens)])
+        angles = np.radians(np.array(angles)[:, None] + offsets)[..., None]
+        return middle + np.cos(angles) * zero + np.sin(angles) * quarter
 
     def _scores(self, number, orientations, onlyBumps=False):
         """Return the scores of orientations of a group, a (k,) array."""
@@ -199,15 +209,19 @@ class _Optimizer:
                 continue
             others, hiding = self._around(atom)
             others, hiding = (found[atoms.flags[found] & ABSENT == 0] for found in (others, hiding))
-            places = np.repeat(positions[atom][None], len(orientations), axis=0)
+            moving = []
+            if hydrogenPlaces is not None:
+                hiding = hiding[~areIn(hiding, hydrogens, self._isMarked)]
+                moving = [
+                    (atoms.radii[other], hydrogenPlaces[:, column])
+                    for column, other in enumerate(hydrogens)
+                    if other != atom
+                ]
+            places = positions[atom][None]
             if atom in hydrogens:
                 places = hydrogenPlaces[:, hydrogens.index(atom)]
-            hidingPlaces = np.repeat(positions[hiding][None], len(orientations), axis=0)
-            for column, other in enumerate(hiding.tolist()):
-                if other in hydrogens:
-                    hidingPlaces[:, column] = hydrogenPlaces[:, hydrogens.index(other)]
             total += scorePlaces(
-                atoms, atom, places, others, positions, hiding, hidingPlaces, onlyBumps, self._weights[others]
+                atoms, atom, places, others, positions, hiding, moving, onlyBumps, self._weights[others]
             )
         return total
 
@@ -215,24 +229,14 @@ class _Optimizer:
         """Return the atoms that an atom of a group may touch, and those that bonds join to it."""
         if atom not in self._surroundings:
             atoms = self._atoms
-            center = self._positions[atom] if atoms.parents[atom] < 0 else self._positions[atoms.parents[atom]]
-            reach = atoms.radii[atom] + atoms.radii.max() + (0.0 if atoms.parents[atom] < 0 else 0.13)
-            # Hydrogens of other groups move, by twice a bond at most.
-            near = set(self._tree.query_ball_point(center, reach + 0.2))
-            bonded = self._bondedTo(atom)
-            others = np.array(sorted(near - bonded - {atom}), dtype=int)
-            self._surroundings[atom] = others, np.array(sorted(bonded & near), dtype=int)
+            isHeavy = atoms.parents[atom] < 0
+            center = self._positions[atom if isHeavy else atoms.parents[atom]]
+            # Hydrogens turn, those of other groups, too.
+            reach = atoms.radii[atom] + atoms.radii.max() + (0.2 if isHeavy else 0.33)
+            near = np.array(self._tree.query_ball_point(center, reach), dtype=int)
+            areBonded = areIn(near, rowOf(self._bonded, atom), self._isMarked)
+            self._surroundings[atom] = near[~areBonded & (near != atom)], near[areBonded & (near != atom)]
         return self._surroundings[atom]
-
-    def _bondedTo(self, atom):
-        starts, ends = self._atoms.bonds
-        found, shell = {atom}, [atom]
-        for _ in range(_BONDS):
-            shell = [
-                other for one in shell for other in ends[starts[one] : starts[one + 1]].tolist() if other not in found
-            ]
-            found.update(shell)
-        return found - {atom}
 
 
 def _aroundZero(count, step):
