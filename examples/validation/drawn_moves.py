@@ -109,7 +109,7 @@ def pValueOfUniform(samples):
 
 def tabledDensities():
     """Generate (name, density) for each density of the tables."""
-    for name, (_, means, _) in densities._rotamers().items():
+    for name, (_, means, _) in densities.rotamerTables().items():
         chis = tuple(range(means.shape[1]))
         for first in chis:
             yield f"{name} from chi{first + 1} on", densities.rotamerDensity(name, False, chis[first:], FLOOR)

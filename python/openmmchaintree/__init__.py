@@ -17,11 +17,13 @@ from . import _build  # noqa: E402
 from .bondlengths import setBondLengths  # noqa: E402
 from .calvados import CalvadosSystem, createCalvadosSystem  # noqa: E402
 from .clashes import Clash, FrameClashes, findClashes  # noqa: E402
+from .clashscores import scoreClashes  # noqa: E402
 from .coil import coilDensities, createCoilForce  # noqa: E402
 from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
 from .errors import InputError  # noqa: E402
+from .missing import BuiltStructure, buildMissing  # noqa: E402
 from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
@@ -54,6 +56,7 @@ __all__ = [
     "AddedMove",
     "AddedMoves",
     "AtomName",
+    "BuiltStructure",
     "CalvadosSystem",
     "Clash",
     "ClashError",
@@ -79,6 +82,7 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "addDefaultMoves",
+    "buildMissing",
     "coilDensities",
     "createCalvadosSystem",
     "createCoilForce",
@@ -90,6 +94,7 @@ __all__ = [
     "repairStructure",
     "rotamerDensities",
     "sampleEnsemble",
+    "scoreClashes",
     "selectAtoms",
     "setBondLengths",
 ]

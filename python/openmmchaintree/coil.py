@@ -92,7 +92,7 @@ def createCoilForce(
     InputError
         if a table cannot be read or has too few bins, negative numbers, or none above 0
     """
-    tables = _readTables(tables)
+    tables = readCoilTables(tables)
     energy = (MOLAR_GAS_CONSTANT_R * float(inUnit(temperature, "K", "temperature")) * kelvin).value_in_unit(
         kilojoule_per_mole
     )
@@ -140,7 +140,7 @@ def coilDensities(
     ValueError, InputError
         as `createCoilForce`
     """
-    tables = _readTables(tables)
+    tables = readCoilTables(tables)
     indices = {}
     for index in range(force.getNumTorsions()):
         particles = tuple(force.getTorsionParticles(index))
@@ -171,13 +171,13 @@ def _findSets(topology, positions, selection, tables, sideChains):
         torsions[torsion.kind] = torsion.particles
     for residue, torsions in residues.values():
         following = atoms[torsions["psi"][3]].residue if "psi" in torsions else None
-        name = _tableOf(residue, following, tables)
+        name = tableOf(residue.name, following and following.name, tables)
         mirrored = isMirrored(residue.name)
         axes = tuple(axis for axis, kind in enumerate(_BACKBONE) if kind in torsions)
         if name is not None and axes:
             yield _Set(tuple(torsions[_BACKBONE[axis]] for axis in axes), name, mirrored, axes, False)
         chis = [number for number, kind in enumerate(_SIDE_CHAIN) if kind in torsions]
-        name = rotamersOf(residue)
+        name = rotamersOf(residue.name)
         if name is not None:
             for first in (0, 2):
                 pair = tuple(number for number in chis if first <= number < first + 2)
@@ -185,14 +185,11 @@ def _findSets(topology, positions, selection, tables, sideChains):
                     yield _Set(tuple(torsions[_SIDE_CHAIN[number]] for number in pair), name, mirrored, pair, True)
 
 
-def _tableOf(residue, following, tables):
-    """Return the name of the table of a residue, None without one."""
-    kind = loopKind(residue, following)
-    if kind is None:
-        return None
-    own, after = loopKind(residue, None), following and loopKind(following, None)
-    pair = f"{_plainName(own)}-{_plainName(after)}" if after else None
-    return pair if pair in tables else kind if kind in tables else None
+def tableOf(residueName, nextName, tables):
+    """Return the name of the table of φ and ψ of a residue, given the next residue's name or None; None without one."""
+    kind, after = loopKind(residueName, nextName), nextName and loopKind(nextName)
+    pair = f"{_plainName(loopKind(residueName))}-{_plainName(after)}" if after else None
+    return next((name for name in (pair, kind) if name in tables), None)
 
 
 def _plainName(kind):
@@ -234,7 +231,7 @@ def _rotamerMap(name, mirrored, chis):
     return np.log(values * (2 * np.pi) ** len(chis)).reshape([_NODES] * len(chis))
 
 
-def _readTables(tables):
+def readCoilTables(tables):
     """Return the tables by name, as float64 arrays: those of the package, and given ones in their place."""
     given = {} if tables is None else _readFile(tables) if isinstance(tables, str | Path) else tables
     found = {name: np.asarray(table, dtype=np.float64) for name, table in (loopCounts() | dict(given)).items()}

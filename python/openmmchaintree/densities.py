@@ -17,7 +17,7 @@ from .torsions import findTorsions
 from .units import inUnit
 
 # The table of rotamers gives the last chi of these modulo half a turn.
-_ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
+ENDS_ALIKE = ("ASP", "GLU", "PHE", "TYR")
 # Amino acids without rotamers in the table, and the amino acid whose rotamers they get.
 _STAND_INS = {"MSE": "MET"}
 
@@ -72,7 +72,7 @@ def rotamerDensities(
     floor = inUnit(floor, "1", "floor")
     drawn = DrawnTorsions([], [])
     for residue, torsions in _torsionsByResidue(topology, force, ("chi1", "chi2", "chi3", "chi4"), selection):
-        name = rotamersOf(residue)
+        name = rotamersOf(residue.name)
         if name is None:
             continue
         chis = tuple(sorted(int(kind[-1]) - 1 for kind in torsions))
@@ -126,7 +126,7 @@ def ramachandranDensities(
         if "psi" in torsions:
             ends = (force.getTorsionParticles(torsions["psi"])[end] for end in (0, 3))
             following = next((atoms[end].residue for end in ends if atoms[end].residue is not residue), None)
-        name = loopKind(residue, following)
+        name = loopKind(residue.name, following and following.name)
         if name is None:
             continue
         kinds = tuple(kind for kind in ("phi", "psi") if kind in torsions)
@@ -163,19 +163,19 @@ def _notEmpty(drawn, what):
     return drawn
 
 
-def rotamersOf(residue):
+def rotamersOf(residueName):
     """Return the name of a residue in the table of rotamers; None if it is not there."""
-    name = _nameInTables(residue)
-    return name if name in _rotamers() else None
+    name = _nameInTables(residueName)
+    return name if name in rotamerTables() else None
 
 
 @functools.cache
 def rotamerDensity(name, mirrored, chis, floor):
     """Return the TorsionDensity of some χ, by their numbers from 0, of an amino acid in the table of rotamers."""
-    counts, means, deviations = _rotamers()[name]
+    counts, means, deviations = rotamerTables()[name]
     means = -means if mirrored else means
     last = means.shape[1] - 1
-    if name in _ENDS_ALIKE and last in chis:
+    if name in ENDS_ALIKE and last in chis:
         turned = means + np.where(np.arange(last + 1) == last, 180, 0)
         counts, deviations = np.tile(counts, 2), np.tile(deviations, (2, 1))
         means = (np.concatenate((means, turned)) + 180) % 360 - 180
@@ -192,23 +192,23 @@ def _loopDensity(name, mirrored, kinds, floor):
     return TorsionDensity.fromTable(counts, floor)
 
 
-def _nameInTables(residue):
-    name = aminoAcid(residue.name)
+def _nameInTables(residueName):
+    name = aminoAcid(residueName)
     return _STAND_INS.get(name, name)
 
 
-def loopKind(residue, following):
-    """Return the name of a residue in the table of loops, by the next residue or None; None for other residues."""
-    name = _nameInTables(residue)
+def loopKind(residueName, nextName=None):
+    """Return the name of a residue in the table of loops, given the next residue's name; None for other residues."""
+    name = _nameInTables(residueName)
     if name == "PRO":
         return "transPRO"
-    if following is not None and aminoAcid(following.name) == "PRO" and name not in (None, "GLY"):
+    if nextName is not None and aminoAcid(nextName) == "PRO" and name not in (None, "GLY"):
         return "prePRO"
     return name
 
 
 @functools.cache
-def _rotamers():
+def rotamerTables():
     """Return for each amino acid the counts of its rotamers, and means and deviations of each χ in degrees."""
     rows = {}
     for residue, _, *numbers in readTable("rotamers.csv"):

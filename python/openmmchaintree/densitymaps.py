@@ -2,8 +2,8 @@
 
 import numpy as np
 
-_SUBDIVISION = 6  # points of a bin, in each direction, that give its mean
-_ITERATIONS = 30
+_SUBDIVISION = 4  # points of a bin, in each direction, that give its mean
+_ITERATIONS = 10
 
 
 def smoothLogDensity(counts, floor):

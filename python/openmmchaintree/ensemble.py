@@ -1,13 +1,17 @@
-"""Independent conformers of a disordered protein, or of one with domains, in one call."""
+"""Independent conformers of a disordered protein, of one with domains, or of tails and linkers, in one call."""
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from openmm import app
 
+from .calvados import MODELS as BEAD_MODELS
 from .calvados import createCalvadosSystem
+from .coil import CoilTables
 from .errors import InputError
+from .missing import buildMissing
 from .units import Number, inUnit
 
 if TYPE_CHECKING:
@@ -15,16 +19,21 @@ if TYPE_CHECKING:
     from .statistics.estimates import Estimate
 
 
+MODELS = (*BEAD_MODELS, "coil")
+
+
 class Ensemble(NamedTuple):
     """Independent conformers, and averages over the run.
 
     topology : openmm.app.Topology
-    positions : (conformers, n, 3) float32 array, nm, centered
-    shapes : ChainShape, arrays of a value for each conformer
+    positions : (conformers, n, 3) float32 array, nm, centered if nothing is fixed
+    shapes : ChainShape, arrays of a value for each conformer; radii of gyration and asphericities are of all particles
     estimates : dict of Estimate by name, from all frames of the run, not only from these conformers
-    effectiveSampleSize : float, the least of radius of gyration and end-to-end distance
+    effectiveSampleSize : float, the least of the values that decide when the run ends
     trials : int, of the run
     isComplete : bool, whether the requested number of independent conformers was reached
+    trace : int array, the particles from the first to the last one of the end-to-end distance: beads, or the Cα atoms
+        of the longest part that was built
     """
 
     topology: app.Topology
@@ -34,10 +43,11 @@ class Ensemble(NamedTuple):
     effectiveSampleSize: float
     trials: int
     isComplete: bool
+    trace: np.ndarray
 
 
 def sampleEnsemble(
-    source: str | Sequence[str] | app.PDBFile | app.PDBxFile | app.Modeller,
+    source: str | Path | Sequence[str] | app.PDBFile | app.PDBxFile | app.Modeller,
     model: str = "calvados2",
     conformers: int = 1000,
     seed: int = 0,
@@ -46,8 +56,14 @@ def sampleEnsemble(
     ionicStrength: float = 0.15,
     domains: Iterable[Iterable[int]] = (),
     maxTrials: int = 10**9,
+    missing: bool = False,
+    sequences: Iterable[str | Sequence[str]] | None = None,
+    hydrogens: bool | None = None,
+    moveDomains: bool = False,
+    tables: CoilTables | None = None,
+    avoid: Iterable[str] = (),
 ) -> Ensemble:
-    """Sample independent conformers of a protein in a model with a bead for each residue.
+    """Sample independent conformers of a protein: with a bead for each residue, or all atoms as a random coil.
 
     The run ends when the effective sample sizes of the radius of gyration and of the end-to-end distance reach
     `conformers`. The returned conformers are equally spaced in the equilibrated part of the run. A chain of 100
@@ -56,16 +72,33 @@ def sampleEnsemble(
         ensemble = sampleEnsemble("MDVFMKGLSKAKEGVVAAAEKTKQGVAEAAGKTKEGVLYVGSKTKEGVVHG", conformers=100)
         print(ensemble.estimates["radius of gyration"])
 
+    The model "coil" has hard spheres and the energy of `createCoilForce`. A sequence is built with all heavy atoms.
+    With `missing`, the source is a structure file, and `buildMissing` builds its missing residues. They move, and so do
+    domains at the far ends of linkers; everything else stays in place as an obstacle. The sample sizes of the place of
+    each part, and of the means of sin ψ and sin χ1 over its residues, have to be large enough, too. Clashes of the
+    start are removed first.
+
+        ensemble = sampleEnsemble("1shg.pdb", "coil", missing=True, conformers=100)
+
     Parameters
     ----------
     source, temperature, pH, ionicStrength, model, domains
-        as for `createCalvadosSystem`; one chain, or the chains of a structure that domains hold together
+        as for `createCalvadosSystem`; one chain, or the chains of a structure that domains hold together. For the model
+        "coil": one sequence in letters or names of residues or, with `missing`, the path of a structure file; pH, ionic
+        strength and domains have no effect.
     conformers : int
         the number of conformers to return
     seed : int
         the random number seed; 0 draws one
     maxTrials : int
         the largest number of trials
+    missing : bool
+        build and sample the residues that a structure file lacks; needs the model "coil"
+    sequences, hydrogens, moveDomains, tables
+        as for `buildMissing`, for the model "coil"
+    avoid : iterable of str
+        regions that atoms which move must not enter, in nm: "z < 0" is a half space, "z > -2 and z < 2" a slab; for the
+        model "coil"
 
     Returns
     -------
@@ -74,12 +107,25 @@ def sampleEnsemble(
     Raises
     ------
     InputError
-        as `createCalvadosSystem`, or if a number is not positive
+        as `createCalvadosSystem` and `buildMissing`; or if a number is not positive, or clashes of the start cannot be
+        removed
     """
     if conformers < 1 or maxTrials < 1:
         raise InputError("conformers and maxTrials must be above 0")
+    kelvin = float(inUnit(temperature, "K", "temperature"))
+    if model == "coil":
+        from .ensembles.coilrun import sampleCoil
+
+        if missing and isinstance(source, str | Path):
+            built = buildMissing(source, sequences, hydrogens, moveDomains, seed, tables)
+        elif missing or isinstance(source, Path) or hasattr(source, "topology"):
+            raise InputError('the model "coil" needs a sequence or, with missing=True, the path of a structure file')
+        else:
+            built = buildMissing(None, [source], hydrogens, False, seed, tables)
+        return sampleCoil(built, kelvin, seed, int(conformers), int(maxTrials), tables, avoid)
+    if missing or sequences is not None or tables is not None or avoid:
+        raise InputError('missing residues, tables and regions to avoid need the model "coil"')
     from .ensembles.beadrun import sampleBeads  # which estimates errors, by packages of an extra
 
     topology, system, positions = createCalvadosSystem(source, temperature, pH, ionicStrength, model, domains)
-    kelvin = float(inUnit(temperature, "K", "temperature"))
     return sampleBeads(topology, system, positions, kelvin, seed, int(conformers), int(maxTrials))

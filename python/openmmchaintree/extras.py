@@ -2,7 +2,7 @@
 
 import importlib
 
-_EXTRAS = {"dask": "cluster", "distributed": "cluster", "jinja2": "report", "molstar_cli": "report"}
+_EXTRAS = {"dask": "cluster", "rdkit": "poses", "distributed": "cluster", "jinja2": "report", "molstar_cli": "report"}
 
 
 def importExtra(module, purpose, raising=ImportError):

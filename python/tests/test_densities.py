@@ -17,7 +17,7 @@ from openmmchaintree import (
     ramachandranDensities,
     rotamerDensities,
 )
-from openmmchaintree.densities import _rotamers, loopCounts
+from openmmchaintree.densities import loopCounts, rotamerTables
 from scenes import HEAVY_ATOMS, peptide
 
 _AMINO_ACIDS = sorted(HEAVY_ATOMS)
@@ -37,7 +37,7 @@ def test_table():
         table.getRotamers()
 
 
-def test_rotamers():
+def testrotamers():
     means, widths = np.array([[60, -60], [180, 30]]), np.array([[5, 6], [7, 8]])
     density = TorsionDensity.fromRotamers([1, 3], means * unit.degrees, widths * unit.degrees, 0.2)
     found = density.getRotamers()
@@ -191,7 +191,7 @@ def test_mirroredAminoAcids():
 
 def test_tables():
     # Facts that their papers state, or that everyone knows: a slip of columns or signs would show.
-    rotamers, loops = _rotamers(), loopCounts()
+    rotamers, loops = rotamerTables(), loopCounts()
     assert set(rotamers) == set(_AMINO_ACIDS) - {"ALA", "GLY", "PRO"}
     assert set(loops) == (set(_AMINO_ACIDS) - {"PRO"}) | {"prePRO", "transPRO", "cisPRO"}
     counts, means, deviations = rotamers["LEU"]

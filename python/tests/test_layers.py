@@ -19,7 +19,7 @@ from openmmchaintree.structures.trajectory import Trajectory
 _PACKAGE = Path(openmmchaintree.__file__).parent
 
 # From the bottom up. The core is all modules that lie in no folder.
-_LAYERS = ("", "structures", "scoring", "repairs", "statistics", "ensembles", "replicas", "command")
+_LAYERS = ("", "structures", "scoring", "repairs", "building", "statistics", "ensembles", "replicas", "command")
 _MODULES = {
     path: ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
     for path in _PACKAGE.rglob("*.py")
@@ -29,9 +29,14 @@ _MODULES = {
 # Public calls of the core that need an extra import its modules when they are called.
 _LATE = {
     ("clashes", "structures.clashsearch"),
+    ("clashscores", "scoring.modelscores"),
     ("ensemble", "ensembles.beadrun"),
     ("ensemble", "ensembles.chainshape"),  # for annotations
+    ("ensemble", "ensembles.coilrun"),
     ("ensemble", "statistics.estimates"),
+    ("missing", "building.coildraws"),
+    ("missing", "building.missingresidues"),
+    ("missing", "structures.structure"),
     ("repair", "repairs.run"),
     ("repair", "repairs.causes"),  # for annotations
     ("repair", "repairs.changes"),
@@ -204,7 +209,7 @@ def requirements(table, names):
 
 def test_anExtraHasEachPackage():
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())
-    extras = requirements(project["project"]["optional-dependencies"], ("tools", "report", "cluster"))
+    extras = requirements(project["project"]["optional-dependencies"], ("tools", "report", "poses", "cluster"))
     assert extras <= requirements(project["dependency-groups"], ("tools",))
     assert project["tool"]["scikit-build"]["metadata"]["dependencies"]["others"] == ["numpy"]
     names = {re.match("[A-Za-z0-9-]+", entry)[0].lower().replace("-", "_") for entry in extras}

@@ -7,7 +7,8 @@ from ..errors import ClusterError, InputError
 from ..radii import RADII_SETS
 from ..structures.clashsearch import ClashSearch
 from ..structures.limits import Limit
-from .arguments import addPeriodic, addScheduler, addStructure, checkWorkers, positive, positiveUpTo
+from .arguments import addPeriodic, addScheduler, addStructure, checkWorkers, listOf, numberIn, positive, positiveUpTo
+from .clashscores import isScoring, runScores
 from .outputs.outputfiles import Writing, addOverwrite, asJSONWith, checkOutputs, checkPicture
 from .pictures import savePicture
 from .reports.clashranking import ClashRanking
@@ -62,11 +63,41 @@ def addArguments(clashes):
         help="number of processes that search frames in parallel (default: 1)",
     )
     addScheduler(clashes, "the search, which needs the same file names on every machine,")
+    _addScores(clashes)
     addOverwrite(clashes)
     addNotes(clashes)
 
 
+def _addScores(clashes):
+    scores = clashes.add_argument_group("scores by other definitions")
+    scores.add_argument(
+        "--definition",
+        type=listOf(("own", "molprobity", "af3", "posebusters")),
+        action="extend",
+        metavar="NAME,…",
+        help="score by one or more definitions: own; molprobity, the clashscore with the hydrogens of Reduce and the "
+        "contacts of Probe; af3, AlphaFold 3's has_clash; posebusters, PoseBusters' checks of distance and volume, "
+        "which need the package rdkit. CSV then has a line for each model (default: own)",
+    )
+    scores.add_argument(
+        "--keep-hydrogens", action="store_true", help="score the hydrogens of the file, and place none (molprobity)"
+    )
+    scores.add_argument(
+        "--fail-above",
+        type=numberIn(0, 1e6),
+        metavar="SCORE",
+        help="end with exit status 1 if a clashscore is above this (molprobity)",
+    )
+    scores.add_argument(
+        "--models",
+        metavar="FOLDER",
+        help="score all structure files of a folder; a file that cannot be read is named, and does not stop the others",
+    )
+
+
 def _run(options):
+    if isScoring(options):
+        return runScores(options)
     checkWorkers(options)
     names = {"csv": options.csv, "json": options.json, "picture": options.picture, "notes": options.notes}
     inputs = [path for path in (options.structure, options.trajectory) if path is not None]

@@ -3,14 +3,16 @@
 from pathlib import Path
 from queue import SimpleQueue
 
-from ..calvados import MODELS
+from ..ensemble import MODELS
 from ..errors import InputError
 from .arguments import addScheduler, checkWorkers, notNegative, numberIn, positive, seed
+from .ensembleatoms import addAllAtoms
 from .ensemblejobs import findDone, makeJobs, stemOf
 from .ensembleworkers import results, workers
 from .outputs.output import Output
 from .outputs.outputfiles import addOverwrite, asJSON
 from .reports.ensemblereport import asCSV, heading, rowOf, writeFiles
+from .reports.noteoutput import printNotes
 from .terminal import BAD_INPUT, ReportConsole, interruptFlag, ofSignal, printError
 
 _MOST_PICTURES = 20  # drawn without being asked for: each takes as long as hundreds of conformers
@@ -21,17 +23,20 @@ def addArguments(parser):
     """Describe the command and its arguments to a parser."""
     parser.description = (
         "Sample independent conformers of disordered proteins, and of proteins with folded domains, with a bead for "
-        "each residue. For each protein, the folder of results gets a trajectory (NAME.dcd), its topology "
-        "(NAME-topology.pdb), shapes by conformer (NAME.csv), averages (NAME.json) and a picture of radii of gyration, "
-        "distances and contacts (NAME.png); summary.csv has a row for each protein."
+        "each residue; or of tails, linkers and chains as random coils of all atoms. For each protein, the folder "
+        "of results gets a trajectory (NAME.dcd), its topology (NAME-topology.pdb), shapes by conformer (NAME.csv), "
+        "averages (NAME.json) and a picture of radii of gyration, distances and contacts (NAME.png); summary.csv has a "
+        "row for each protein."
     )
     parser.set_defaults(run=_run)
     parser.add_argument(
         "source",
         help="a FASTA file with one sequence or many (B is phosphoserine, O phosphothreonine), or the structure of a "
-        "protein without gaps (PDB, mmCIF or BinaryCIF)",
+        "protein (PDB, mmCIF or BinaryCIF), without gaps unless --missing builds them",
     )
-    parser.add_argument("--model", choices=MODELS, default="calvados2", help="the energies (default: %(default)s)")
+    parser.add_argument(
+        "--model", choices=MODELS, default="calvados2", help="the energies (default: %(default)s); coil: all atoms"
+    )
     parser.add_argument(
         "--domains",
         metavar="RANGES",
@@ -44,9 +49,15 @@ def addArguments(parser):
     parser.add_argument(
         "--temperature", type=numberIn(1, 1000), default=298.0, metavar="K", help="in K (default: %(default)g)"
     )
-    parser.add_argument("--ph", type=numberIn(0, 14), default=7.0, metavar="PH", help="the pH (default: %(default)g)")
     parser.add_argument(
-        "--ionic", type=numberIn(1e-4, 10), default=0.15, metavar="MOLAR", help="the ionic strength (default: 0.15)"
+        "--ph", type=numberIn(0, 14), default=7.0, metavar="PH", help="the pH (default: %(default)g; beads)"
+    )
+    parser.add_argument(
+        "--ionic",
+        type=numberIn(1e-4, 10),
+        default=0.15,
+        metavar="MOLAR",
+        help="the ionic strength (default: 0.15; beads)",
     )
     parser.add_argument("--seed", type=seed, help="random number seed, 1 to 2147483647 (default: a new one each time)")
     parser.add_argument(
@@ -71,6 +82,7 @@ def addArguments(parser):
     parser.add_argument("--workers", type=positive, metavar="W", help="processes (default: the number of cores)")
     addScheduler(parser, "proteins")
     addOverwrite(parser)
+    addAllAtoms(parser)
 
 
 def _run(options):
@@ -95,13 +107,17 @@ def _run(options):
                 continue
             writeFiles(folder, job, result)
             summaries[job.name] = result.summary
+            printNotes(result.summary["notes"], console, False)
             console.print(rowOf(result.summary))
         interrupted = interrupts.number if interrupts else None
     ordered = [summaries[job.name] for job in jobs if job.name in summaries]
-    outputs[0].write(asCSV(ordered))
+    if ordered:
+        outputs[0].write(asCSV(ordered))
+    elif not any(folder.iterdir()):
+        folder.rmdir()
     if options.json:
         outputs[1].write(asJSON({"proteins": ordered}))
-    console.print(f"\nWrote {len(ordered):,} of {len(jobs):,} proteins to {folder}")
+    console.print(f"\nWrote {len(ordered):,} of {len(jobs):,} proteins{f' to {folder}' if ordered else ''}")
     if interrupted:
         printError(f"interrupted; --resume -o {folder} samples the other proteins")
         return ofSignal(interrupted)

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +12,11 @@ from openmm import unit
 from ..ensemble import sampleEnsemble
 from ..ensembles.chainshape import scalingExponent
 from ..ensembles.domains import readDomains
+from ..notes import NoteWarning
 from ..structures.structure import readStructure
 from .outputs.dcdfile import TITLE
 from .pictures import savePicture
+from .reports.noteoutput import asPlain
 
 _BLOCKS = 5  # of conformers, whose scaling exponents tell its error
 
@@ -43,12 +46,16 @@ def runJob(job):
     """Sample a protein; return an EnsembleResult, so that workers on other machines need no folder in common."""
     settings = dict(job.settings)
     domains = settings.pop("domains")
-    if job.structure is None:
-        ensemble = sampleEnsemble(job.sequence, **settings)
-    else:
-        source = readStructure(job.structure)
-        ensemble = sampleEnsemble(source, domains=readDomains(domains, source.topology) if domains else [], **settings)
-    summary = _summarize(job, ensemble)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", NoteWarning)
+        if job.structure is None or settings.get("missing"):
+            ensemble = sampleEnsemble(job.sequence or job.structure, **settings)
+        else:
+            source = readStructure(job.structure)
+            chosen = readDomains(domains, source.topology) if domains else []
+            ensemble = sampleEnsemble(source, domains=chosen, **settings)
+    notes = [each.message.note for each in caught if isinstance(each.message, NoteWarning)]
+    summary = {**_summarize(job, ensemble), "notes": asPlain(notes)}
     files = {"-topology.pdb": _asPDB(ensemble), ".dcd": _asDCD(ensemble), ".csv": _asCSV(ensemble.shapes)}
     if job.hasPicture:
         picture = _Memory(f"{job.name}.png")
@@ -69,11 +76,11 @@ class _Memory:
 
 def _summarize(job, ensemble):
     """Return a dictionary of plain numbers."""
-    exponent, error = _exponentWithError(ensemble.positions)
+    exponent, error = _exponentWithError(ensemble.positions[:, ensemble.trace])
     estimates = {name: _plain(one) for name, one in ensemble.estimates.items()}
     return {
         "name": job.name,
-        "residues": ensemble.positions.shape[1],
+        "residues": ensemble.topology.getNumResidues(),
         "conformers": len(ensemble.positions),
         "effectiveSampleSize": round(ensemble.effectiveSampleSize, 1),
         "isComplete": ensemble.isComplete,

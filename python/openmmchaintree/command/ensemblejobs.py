@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ..ensembles.sequencefiles import isSequenceFile, readSequences
 from ..errors import InputError
+from .ensembleatoms import atomSettings
 from .ensemblejob import EnsembleJob
 
 _FILES = (".dcd", "-topology.pdb", ".csv", ".png", ".json")
@@ -23,6 +24,7 @@ def makeJobs(options):
         "ionicStrength": options.ionic,
         "maxTrials": options.max_trials,
         "domains": options.domains,
+        **atomSettings(options),
     }
     first = options.seed or random.SystemRandom().randrange(1, 2**30)
     if isSequenceFile(options.source):

@@ -46,5 +46,12 @@ def sampleBeads(topology, system, positions, temperature, seed, conformers, maxT
     found = run.sample(conformers, maxTrials)
     shapes = ChainShape(*found.values.values())
     return Ensemble(
-        topology, found.frames, shapes, found.estimates, found.effectiveSampleSize, found.trials, found.isComplete
+        topology,
+        found.frames,
+        shapes,
+        found.estimates,
+        found.effectiveSampleSize,
+        found.trials,
+        found.isComplete,
+        np.arange(len(positions)),
     )

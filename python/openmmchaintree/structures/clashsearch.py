@@ -37,6 +37,8 @@ class ClashSearch:
     Attributes
     ----------
     structure, trajectory : str or Path, or None
+    models : Models
+        the content of the structure file
     finder : ClashFinder
     crystal : Crystal whose copies count, or None
     frameCount : int or None
@@ -72,18 +74,18 @@ class ClashSearch:
         self.imageNote = None
 
     def _readStructure(self, radii, water, ions, periodic, symmetry):
-        self._models = readModels(self.structure)
-        topology, positions = self._models.topology, self._models.positions[0]
+        self.models = readModels(self.structure)
+        topology, positions = self.models.topology, self.models.positions[0]
         self._box = boxOf(topology)
         self._areNoted = not periodic and not symmetry
-        self._spaceGroup = spaceGroupOf(self._models) if self.trajectory is None else ""
+        self._spaceGroup = spaceGroupOf(self.models) if self.trajectory is None else ""
         self._word = "model" if self.trajectory is None else "frame"
-        self.crystal = Crystal(self.structure, self._models) if symmetry else None
+        self.crystal = Crystal(self.structure, self.models) if symmetry else None
         self.finder = ClashFinder(topology, positions, self.structure, radii, water, ions, periodic, self.crystal)
-        self.notes = [*self._models.notes, *self.finder.notes, *(self.crystal.notes if symmetry else ())]
+        self.notes = [*self.models.notes, *self.finder.notes, *(self.crystal.notes if symmetry else ())]
         if periodic and self._spaceGroup:
             self.notes.append(noteOnOtherCopies(self._spaceGroup))
-        self.frameCount = len(self._models.positions)
+        self.frameCount = len(self.models.positions)
 
     def _readHeader(self):
         self._trajectory.readHeader()
@@ -106,17 +108,23 @@ class ClashSearch:
 
         Exhaust one iterator before the next call.
         """
-        frames = self._modelFrames(begin, end) if self.trajectory is None else self._trajectoryFrames(begin, end)
-        for number, (positions, box) in enumerate(frames, begin):
-            source = f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
-            whole = self.finder.makeWhole(positions, box, source)
-            if whole is not positions:
-                self.madeWhole.append(number)
-            box = self._box if box is None else box
+        for number, whole, box in self.wholeFrames(begin, end):
             if number == 0 and self._areNoted:
                 self.imageNote = self.finder.noteImages(whole, box, self._spaceGroup)
-            pairs, overlaps, operators = self.finder.findOverlaps(whole, box, source)
+            pairs, overlaps, operators = self.finder.findOverlaps(whole, box, self._describe(number))
             yield FrameOverlaps(number, pairs, overlaps, 1000 * len(pairs) / self.finder.checkedCount, operators)
+
+    def wholeFrames(self, begin=0, end=None):
+        """Yield the number, the positions with whole molecules, and the box of each frame; as for `overlaps`."""
+        frames = self._modelFrames(begin, end) if self.trajectory is None else self._trajectoryFrames(begin, end)
+        for number, (positions, box) in enumerate(frames, begin):
+            whole = self.finder.makeWhole(positions, box, self._describe(number))
+            if whole is not positions:
+                self.madeWhole.append(number)
+            yield number, whole, self._box if box is None else box
+
+    def _describe(self, number):
+        return f"{self.trajectory or self.structure}: {self._word} {number} (from 0)"
 
     def noteBoxes(self):
         """Add `madeWhole` and `imageNote` to the notes."""
@@ -132,12 +140,12 @@ class ClashSearch:
             self._trajectory.close()
 
     def _modelFrames(self, begin, end):
-        yield from zip(self._models.positions[begin:end], self._models.boxes[begin:end], strict=True)
-        if end in (None, self.frameCount) and self._models.damage is not None:
-            raise self._models.damage
+        yield from zip(self.models.positions[begin:end], self.models.boxes[begin:end], strict=True)
+        if end in (None, self.frameCount) and self.models.damage is not None:
+            raise self.models.damage
 
     def _trajectoryFrames(self, begin, end):
-        topology = self._models.topology
+        topology = self.models.topology
         for index, (positions, box) in enumerate(self._trajectory.frames(begin, -1 if end is None else end), begin):
             if len(positions) != topology.getNumAtoms():
                 counts = f"has {len(positions):,} atoms, but {self.structure} has {topology.getNumAtoms():,}"

@@ -13,14 +13,14 @@ _LEAST_MATCH = 0.9
 
 
 class SequenceGap(NamedTuple):
-    """Missing residues between two residues of a chain.
+    """Missing residues between two residues of a chain, or at one of its ends.
 
-    before, after : (str, str), each a chain and a number with insertion code
+    before, after : (str, str), each a chain and a number with insertion code; None at an end of the chain
     names : list of str, of the missing residues, as in the sequence
     """
 
-    before: tuple[str, str]
-    after: tuple[str, str]
+    before: tuple[str, str] | None
+    after: tuple[str, str] | None
     names: list[str]
 
 
@@ -35,34 +35,74 @@ def findSequenceGaps(file, model):
     list of Note
         on chains that differ from their sequence
     """
+    found, notes = findMissingResidues(file, model)
+    return [gap for gap in found if gap.before is not None and gap.after is not None], notes
+
+
+def findMissingResidues(file, model, sequences=None):
+    """Find the residues that sequences have but not a model of a gemmi.Structure, in gaps and at the ends of chains.
+
+    sequences : list of lists of residue names, of which each chain takes the one that fits best; default: SEQRES (PDB)
+        or _entity_poly_seq (mmCIF)
+
+    Returns
+    -------
+    list of SequenceGap
+    list of Note
+        on chains that differ from their sequence
+    """
     copy = file.clone()
     copy.setup_entities()
     gaps, strange = [], []
     for chain in copy[model]:
         polymer = chain.get_polymer()
         entity = copy.get_entity_of(polymer) if len(polymer) else None
-        if entity is None or not entity.full_sequence:
+        if entity is None:
             continue
-        alignment = gemmi.align_sequence_to_polymer(entity.full_sequence, polymer, entity.polymer_type)
-        steps = [(int(count), step) for count, step in re.findall(r"(\d+)(\D)", alignment.cigar_str())]
-        if any(step == "D" for _, step in steps) or alignment.match_count < _LEAST_MATCH * polymer.length():
+        candidates = [entity.full_sequence] if sequences is None else sequences
+        fits = [_align(names, polymer, entity) for names in candidates if names]
+        if not fits:
+            continue
+        fit = max(fits, key=lambda one: (one.areComplete, one.matches))
+        if not fit.areComplete or fit.matches < _LEAST_MATCH * polymer.length():
             strange.append(joinNames(chain.name, f"{polymer.length()} residues"))
         else:
-            gaps += _gapsOf(chain.name, [str(residue.seqid) for residue in polymer.first_conformer()], entity, steps)
-    return gaps, found([Note("chains that differ from the sequence of the file, which was not used", strange)])
+            gaps += _gapsOf(chain.name, [str(residue.seqid) for residue in polymer.first_conformer()], fit)
+    which = "the sequence of the file, which was not used" if sequences is None else "all given sequences"
+    return gaps, found([Note(f"chains that differ from {which}", strange)])
 
 
-def _gapsOf(chain, numbers, entity, steps):
+class _Fit(NamedTuple):
+    """A sequence aligned to a chain.
+
+    names : list of str; steps : list of (count, "M" or "I"), "I" for missing residues
+    matches : int; areComplete : bool, whether all residues of the chain are in the sequence
+    """
+
+    names: list
+    steps: list
+    matches: int
+    areComplete: bool
+
+
+def _align(names, polymer, entity):
+    alignment = gemmi.align_sequence_to_polymer(names, polymer, entity.polymer_type)
+    steps = [(int(count), step) for count, step in re.findall(r"(\d+)(\D)", alignment.cigar_str())]
+    return _Fit(names, steps, alignment.match_count, all(step != "D" for _, step in steps))
+
+
+def _gapsOf(chain, numbers, fit):
     """Return the SequenceGaps of one chain.
 
-    numbers : the numbers of its residues; steps : list of (count, "M" or "I"), "I" for missing residues
+    numbers : the numbers of its residues
     """
     gaps, place, residue = [], 0, 0
-    for count, step in steps:
+    for count, step in fit.steps:
         if step == "I":
-            if 0 < residue < len(numbers):
-                names = [gemmi.Entity.first_mon(name) for name in entity.full_sequence[place : place + count]]
-                gaps.append(SequenceGap((chain, numbers[residue - 1]), (chain, numbers[residue]), names))
+            names = [gemmi.Entity.first_mon(name) for name in fit.names[place : place + count]]
+            before = (chain, numbers[residue - 1]) if residue > 0 else None
+            after = (chain, numbers[residue]) if residue < len(numbers) else None
+            gaps.append(SequenceGap(before, after, names))
         else:
             residue += count
         place += count

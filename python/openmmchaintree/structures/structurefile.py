@@ -52,6 +52,19 @@ _CATEGORIES = (
 )  # fmt: skip
 
 
+# Endings of names, without those of compression, by which the structure files of a folder are known.
+_SUFFIXES = {".pdb", ".ent", ".cif", ".mmcif", ".bcif", ".gro", *MOLECULE_SUFFIXES}
+
+
+def isStructureName(path):
+    """Return whether a file is named as a structure; files are read by their content, whatever their names."""
+    return _suffixOf(path) in _SUFFIXES
+
+
+def _suffixOf(path):
+    return Path(str(path).lower().removesuffix(".gz").removesuffix(".bz2")).suffix
+
+
 def readFile(path):
     """Read a structure file.
 
@@ -71,7 +84,7 @@ def readFile(path):
     """
     data = readBytes(path)
     cells = damage = None
-    suffix = Path(str(path).lower().removesuffix(".gz").removesuffix(".bz2")).suffix
+    suffix = _suffixOf(path)
     if data[:1] >= b"\x80" and b"dataBlocks" in data[:1000]:
         structure = _readBinaryCIF(path, data)
     elif suffix == ".gro":

@@ -10,7 +10,8 @@ _MOST_CONFORMERS = 500  # whose distances are averaged
 
 def savePicture(output, name, ensemble):
     """Write the picture of an Ensemble to an Output."""
-    positions = ensemble.positions[:: max(1, len(ensemble.positions) // _MOST_CONFORMERS)].astype(np.float64)
+    positions = ensemble.positions[:: max(1, len(ensemble.positions) // _MOST_CONFORMERS)]
+    positions = positions[:, _residuePlaces(ensemble)].astype(np.float64)
     count = positions.shape[1]
     squares, contacts = np.zeros((count, count)), np.zeros((count, count))
     for each in positions:
@@ -33,6 +34,11 @@ def savePicture(output, name, ensemble):
     ofContacts.set(xlabel="residue", ylabel="residue", title="Contacts")
     setTitle(figure, name, f", {len(ensemble.positions):,} conformers")
     writeFigure(figure, output)
+
+
+def _residuePlaces(ensemble):
+    """Return the particles that stand for residues: beads or Cα atoms."""
+    return [atom.index for atom in ensemble.topology.atoms() if atom.name == "CA"]
 
 
 def _extent(count):

@@ -1,0 +1,1 @@
+"""Builds residues that a model lacks, in ideal geometry."""
