@@ -10,7 +10,7 @@ import openmm
 import openmmchaintree
 import pytest
 from commands import assertRefused
-from openmmchaintree.command import clashes, ensemble, runkinds, sample
+from openmmchaintree.command import clashes, ensemble, repair, runkinds, sample
 from openmmchaintree.command.arguments import Parser
 from openmmchaintree.command.cli import runParsed
 from openmmchaintree.notes import listFirst
@@ -35,18 +35,18 @@ def _namedOptions(path, pattern):
 
 
 def test_namedOptionsExist():
-    """Options of both commands, in code that both use, unless the text names the command."""
-    ofSample, ofClashes, ofEnsemble = map(_optionsOf, (sample, clashes, ensemble))
+    """Modules of a command name options that it has; shared ones those of sample and clashes, or name the command."""
+    options = {one.__name__.split(".")[-1]: _optionsOf(one) for one in (sample, clashes, ensemble, repair)}
     found = 0
     for path in sorted(_PACKAGE.rglob("*.py")):
-        known = ofSample & ofClashes
+        known = options["sample"] & options["clashes"]
         if _PACKAGE / "command" in path.parents:
-            ofOther = {"clash": ofClashes, "ensem": ofEnsemble}
-            known = ofOther.get(path.name[:5], ofSample)
-        named = _namedOptions(path, rf"(?<!clashes )(?<!sample ){_OPTION}") - {"--version", "--help"}
-        assert named <= known, path
-        assert _namedOptions(path, rf"clashes ({_OPTION})") <= ofClashes, path
-        assert _namedOptions(path, rf"sample ({_OPTION})") <= ofSample, path
+            owners = [name for name in options if path.name.startswith(name.removesuffix("es"))]
+            known = options[owners[0] if owners else "sample"]
+        named = _namedOptions(path, rf"{''.join(f'(?<!{name} )' for name in options)}{_OPTION}")
+        assert named - {"--version", "--help"} <= known, path
+        for name, ofCommand in options.items():
+            assert _namedOptions(path, rf"{name} ({_OPTION})") <= ofCommand, path
         found += len(named)
     assert found > 40
 

@@ -97,7 +97,7 @@ def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
         work.open += [work.describe(gap) for gap in inner]
     notes += work.notes()
     if not work.hasBuilt:
-        hint = ": its gaps need --move-domains (moveDomains=True)" if inner else ""
+        hint = ": its gaps need ensemble --move-domains (moveDomains=True)" if inner else ""
         reasons = "".join(f"; {note}" for note in notes)
         raise InputError(f"no residue is missing at the ends of chains{hint}{reasons}")
     return work.finish(), notes
