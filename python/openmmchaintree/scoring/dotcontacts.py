@@ -159,6 +159,8 @@ class _DeepDots:
         pairs, allowed = np.concatenate([pairs, pairs[:, ::-1]]), np.concatenate([allowed, allowed])
         isCounted = atoms.flags[pairs[:, 0]] & WATER == 0
         pairs, allowed = pairs[isCounted], allowed[isCounted]
+        if not len(pairs):  # which a sparse matrix cannot be indexed by
+            return pairs[:, 0], pairs[:, 1], allowed
         areFree = np.asarray(self._bonded[pairs[:, 0], pairs[:, 1]]).ravel() == 0
         return pairs[areFree, 0], pairs[areFree, 1], allowed[areFree]
 
