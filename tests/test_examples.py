@@ -101,6 +101,23 @@ def test_drawnMoves(tmp_path):
     assert len(shares) == 59 and all(0.01 < share < 0.9 for share in shares)
 
 
+def test_clashscores(tmp_path):
+    """Stand-ins for the programs: the first leaves hydrogens as they are, and the second knows one clash."""
+    villin = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
+    modeller = app.Modeller(villin.topology, villin.positions)
+    modeller.deleteWater()
+    with open(tmp_path / "villin.pdb", "w") as file:
+        app.PDBFile.writeFile(modeller.topology, modeller.positions, file)
+    line = ":1->2:bo: A  10 PHE  CE1 : A  32 LYS  HE2 :-0.46:-0.46:1:1:1:0:0:C:C:1:1:1:0:0"
+    for name, command in (("reduce", 'cat "${@: -1}"'), ("probe", f"echo '{line}'")):
+        (tmp_path / name).write_text(f"#!/bin/bash\n{command}\n")
+        (tmp_path / name).chmod(0o755)
+    programs = ("--reduce", tmp_path / "reduce", "--probe", tmp_path / "probe")
+    output = run("validation/clashscores.py", *programs, "villin.pdb", folder=tmp_path)
+    found = re.search(r"^villin.pdb +1 +(\S+) +\d+ +\S+ +\S+ +100.0$", output, re.MULTILINE)
+    assert 1.7 < float(found[1]) < 1.8
+
+
 def test_turnedVelocities(tmp_path):
     """A short run that shows that moves are made in one Context and in two; people start longer ones."""
     settings = ["AllBonds", "handed"]
