@@ -171,7 +171,7 @@ def test_theSequenceOfTheFile(writeVillin):
 
 def test_domainsMoveWithTheirLinkers(writeVillin):
     path = writeVillin([*range(8, 13), *range(27, 31)], hydrogens=False)
-    with pytest.raises(InputError, match=r"its gaps need --move-domains"):
+    with pytest.raises(InputError, match=r"gaps become linkers with ensemble --move-domains"):
         buildMissing(path, [VILLIN])
     built = buildMissing(path, [VILLIN], moveDomains=True, seed=3)
     assert [len(part) for part in built.parts] == [5, 4]
@@ -210,7 +210,7 @@ def test_errors(writeVillin, tmp_path):
         ((None, [""]), "a sequence is empty"),
         ((None, [["ALA", "QQQ9"]]), "QQQ9 cannot be built"),
         ((None, [["ALA", "HOH"]]), "HOH cannot be built: it has no atoms N, CA and C"),
-        ((path, None), "no residue is missing"),
+        ((path, None), r"no residue is missing at the ends of chains; chains of which the file has no sequence \(1\)"),
         ((path, ["W" * 40]), "chains that differ from all given sequences"),
         ((tmp_path / "none.pdb", None), "No such file"),
     ):

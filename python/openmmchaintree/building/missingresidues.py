@@ -97,9 +97,9 @@ def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
         work.open += [work.describe(gap) for gap in inner]
     notes += work.notes()
     if not work.hasBuilt:
-        hint = ": its gaps need ensemble --move-domains (moveDomains=True)" if inner else ""
+        remedy = ": gaps become linkers with ensemble --move-domains (moveDomains=True)" if inner else ""
         reasons = "".join(f"; {note}" for note in notes)
-        raise InputError(f"no residue is missing at the ends of chains{hint}{reasons}")
+        raise InputError(f"no residue is missing at the ends of chains{remedy}{reasons}")
     return work.finish(), notes
 
 

@@ -11,6 +11,8 @@ from ..notes import Note, found
 # A chain is taken for the sequence if this share of its residues have the names of the sequence.
 _LEAST_MATCH = 0.9
 
+_NO_SEQUENCE = "chains of which the file has no sequence"
+
 
 class SequenceGap(NamedTuple):
     """Missing residues between two residues of a chain, or at one of its ends.
@@ -35,8 +37,9 @@ def findSequenceGaps(file, model):
     list of Note
         on chains that differ from their sequence
     """
-    found, notes = findMissingResidues(file, model)
-    return [gap for gap in found if gap.before is not None and gap.after is not None], notes
+    missing, notes = findMissingResidues(file, model)
+    inner = [gap for gap in missing if gap.before is not None and gap.after is not None]
+    return inner, [note for note in notes if note.kind != _NO_SEQUENCE]
 
 
 def findMissingResidues(file, model, sequences=None):
@@ -49,11 +52,11 @@ def findMissingResidues(file, model, sequences=None):
     -------
     list of SequenceGap
     list of Note
-        on chains that differ from their sequence
+        on chains that differ from their sequence, or have none
     """
     copy = file.clone()
     copy.setup_entities()
-    gaps, strange = [], []
+    gaps, strange, bare = [], [], []
     for chain in copy[model]:
         polymer = chain.get_polymer()
         entity = copy.get_entity_of(polymer) if len(polymer) else None
@@ -62,6 +65,7 @@ def findMissingResidues(file, model, sequences=None):
         candidates = [entity.full_sequence] if sequences is None else sequences
         fits = [_align(names, polymer, entity) for names in candidates if names]
         if not fits:
+            bare.append(joinNames(chain.name, f"{polymer.length()} residues"))
             continue
         fit = max(fits, key=lambda one: (one.areComplete, one.matches))
         if not fit.areComplete or fit.matches < _LEAST_MATCH * polymer.length():
@@ -69,7 +73,7 @@ def findMissingResidues(file, model, sequences=None):
         else:
             gaps += _gapsOf(chain.name, [str(residue.seqid) for residue in polymer.first_conformer()], fit)
     which = "the sequence of the file, which was not used" if sequences is None else "all given sequences"
-    return gaps, found([Note(f"chains that differ from {which}", strange)])
+    return gaps, found([Note(f"chains that differ from {which}", strange), Note(_NO_SEQUENCE, bare)])
 
 
 class _Fit(NamedTuple):
