@@ -73,10 +73,11 @@ def sampleEnsemble(
         print(ensemble.estimates["radius of gyration"])
 
     The model "coil" has hard spheres and the energy of `createCoilForce`. A sequence is built with all heavy atoms.
-    With `missing`, the source is a structure file, and `buildMissing` builds its missing residues. They move, and so do
-    domains at the far ends of linkers; everything else stays in place as an obstacle. The sample sizes of the place of
-    each part, and of the means of sin ψ and sin χ1 over its residues, have to be large enough, too. Clashes of the
-    start are removed first.
+    In a structure, such as a prediction, residues outside `domains` are flexible. With `missing`, the source is a
+    structure file, and the residues are flexible that `buildMissing` builds. In each chain the largest domain stays,
+    and others move with their linkers as rigid bodies; everything else stays in place as an obstacle. The sample sizes
+    of the place of each part, and of the means of sin ψ and sin χ1 over its residues, have to be large enough, too.
+    Clashes of the start are removed first.
 
         ensemble = sampleEnsemble("1shg.pdb", "coil", missing=True, conformers=100)
 
@@ -84,8 +85,8 @@ def sampleEnsemble(
     ----------
     source, temperature, pH, ionicStrength, model, domains
         as for `createCalvadosSystem`; one chain, or the chains of a structure that domains hold together. For the model
-        "coil": one sequence in letters or names of residues or, with `missing`, the path of a structure file; pH, ionic
-        strength and domains have no effect.
+        "coil": one sequence in letters or names of residues, a structure or, with `missing`, the path of a file; pH and
+        ionic strength have no effect.
     conformers : int
         the number of conformers to return
     seed : int
@@ -115,14 +116,21 @@ def sampleEnsemble(
     kelvin = float(inUnit(temperature, "K", "temperature"))
     if model == "coil":
         from .ensembles.coilrun import sampleCoil
+        from .ensembles.coilscene import sceneOfBuilt, sceneOfDomains
 
         if missing and isinstance(source, str | Path):
-            built = buildMissing(source, sequences, hydrogens, moveDomains, seed, tables)
-        elif missing or isinstance(source, Path) or hasattr(source, "topology"):
-            raise InputError('the model "coil" needs a sequence or, with missing=True, the path of a structure file')
+            if domains:
+                raise InputError("domains are of a structure without missing residues")
+            scene = sceneOfBuilt(buildMissing(source, sequences, hydrogens, moveDomains, seed, tables))
+        elif missing or isinstance(source, Path):
+            raise InputError('the model "coil" needs a sequence, a structure or, with missing=True, the path of a file')
+        elif hasattr(source, "topology"):
+            scene = sceneOfDomains(source, domains)
+        elif domains:
+            raise InputError("domains need a structure with positions, not a sequence")
         else:
-            built = buildMissing(None, [source], hydrogens, False, seed, tables)
-        return sampleCoil(built, kelvin, seed, int(conformers), int(maxTrials), tables, avoid)
+            scene = sceneOfBuilt(buildMissing(None, [source], hydrogens, False, seed, tables))
+        return sampleCoil(scene, kelvin, seed, int(conformers), int(maxTrials), tables, avoid)
     if missing or sequences is not None or tables is not None or avoid:
         raise InputError('missing residues, tables and regions to avoid need the model "coil"')
     from .ensembles.beadrun import sampleBeads  # which estimates errors, by packages of an extra

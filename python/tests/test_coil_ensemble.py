@@ -10,8 +10,8 @@ from openmm import app, unit
 from openmmchaintree import InputError, buildMissing, createStericExclusionForce, sampleEnsemble
 from openmmchaintree.command.cli import main
 from openmmchaintree.ensembles.avoidedregions import readRegion
-from openmmchaintree.ensembles.builtshape import BuiltShape
 from openmmchaintree.ensembles.chainshape import shapesOf
+from openmmchaintree.ensembles.coilshape import CoilShape
 from openmmchaintree.structures.structure import readStructure
 
 SEQUENCE = "LSDEDFKAVFGMTRSAFANLPLWKQQHLKKEKGLFGSTEAR"  # villin in OpenMM's package, and a tail of six
@@ -98,6 +98,35 @@ def test_domainsMoveAsRigidBodies(villin):
     assert between < 1e-6 and isMoving.sum() > built.isBuilt.sum()
 
 
+def test_domainsOfAStructureStayRigid():
+    structure = readStructure()  # villin with hydrogens
+    residues = list(structure.topology.residues())
+    domains = [range(3, 12), range(16, 30)]
+    ensemble = sampleEnsemble(structure, "coil", conformers=10, seed=3, domains=domains)
+
+    def atomsOf(indices):
+        return [atom.index for index in indices for atom in residues[index].atoms()]
+
+    large, small = atomsOf(domains[1]), atomsOf(domains[0])
+    assert all(np.array_equal(frame, structure.positions[large].astype("f4")) for frame in ensemble.positions[:, large])
+    moved = ensemble.positions[:, small].astype(float)
+    before = np.linalg.norm(structure.positions[small][:, None] - structure.positions[small], axis=2)
+    for frame in moved:
+        assert np.linalg.norm(frame[:, None] - frame, axis=2) == pytest.approx(before, abs=1e-5)
+    assert np.ptp(moved, axis=0).max() > 1
+    names = [name for name in ensemble.estimates if name.startswith("end-to-end distance of")]
+    assert [name[23:] for name in names] == ["LEU 1 – ASP 3", "THR 13 – ALA 16", "GLU 31 – PHE 35"]
+    isFlexible = np.ones(len(structure.positions), dtype=bool)
+    isFlexible[large + small] = False
+    assert overlapsOf(ensemble.topology, ensemble.positions[-1], isFlexible) < 1e-6
+    with pytest.raises(InputError, match="nothing is flexible"):
+        sampleEnsemble(structure, "coil", domains=[range(35)])
+    with pytest.raises(InputError, match="cannot move: it has several segments"):
+        sampleEnsemble(structure, "coil", domains=[[0, 1, 5, 6], range(16, 30)])
+    with pytest.raises(InputError, match="domains names residue 35"):
+        sampleEnsemble(structure, "coil", domains=[[35]])
+
+
 def test_regionsAreAvoided(villin):
     built = buildMissing(villin, [SEQUENCE], seed=4)
     edge = built.positions[~built.isBuilt][:, 2].max() - 0.3
@@ -120,7 +149,7 @@ def test_textsOfRegions():
 
 def test_theLikenessOfFixedAtomsHasTheirShape(villin):
     built = buildMissing(villin, [SEQUENCE], seed=4)
-    shape = BuiltShape(built, built.positions, built.isBuilt)
+    shape = CoilShape(built, built.positions, built.isBuilt)
     masses = np.array([atom.element.mass.value_in_unit(unit.dalton) for atom in built.topology.atoms()])
     expected = shapesOf(built.positions[np.newaxis], masses)
     values = shape.valuesOf(shape.frameOf(built.positions)[np.newaxis])
@@ -177,10 +206,10 @@ def test_errorsOfTheCommand(villin, fasta, tmp_path, capsys):
     for arguments, message in (
         ((villin, "--missing"), "--missing needs --model coil"),
         ((villin, "--avoid", "z < 0"), "--avoid needs --model coil"),
-        (coil, "--model coil needs sequences, or a structure and --missing"),
+        (coil, "there is a gap between A:MET 12 and A:PHE 17, beside residues that would move"),
         ((fasta, "--model", "coil", "--missing"), "--missing needs a structure"),
         ((*coil, "--sequence", fasta), "--sequence needs --missing"),
-        ((*coil, "--missing", "--domains", "1-5"), "--domains needs beads"),
+        ((*coil, "--missing", "--domains", "1-5"), "--domains needs a structure without missing residues"),
         ((*coil, "--missing", "--sequence", "none.fasta"), "none.fasta: No such file"),
         ((*coil, "--missing"), "no residue is missing"),
         ((*coil, "--missing", "--sequence", "other.fasta"), "chains that differ from all given sequences"),

@@ -33,6 +33,7 @@ _LATE = {
     ("ensemble", "ensembles.beadrun"),
     ("ensemble", "ensembles.chainshape"),  # for annotations
     ("ensemble", "ensembles.coilrun"),
+    ("ensemble", "ensembles.coilscene"),
     ("ensemble", "statistics.estimates"),
     ("missing", "building.coildraws"),
     ("missing", "building.missingresidues"),

@@ -53,14 +53,12 @@ def atomSettings(options):
     if options.model != _MODEL:
         refuseWithout(options, f"--model {_MODEL}", *_OPTIONS)
         return {}
-    if options.domains:
-        raise InputError(f"--domains needs beads, not --model {_MODEL}")
     if not options.missing:
         refuseWithout(options, "--missing", *_OF_MISSING)
-        if not isSequenceFile(options.source):
-            raise InputError(f"--model {_MODEL} needs sequences, or a structure and --missing")
     elif isSequenceFile(options.source):
         raise InputError("--missing needs a structure, not sequences")
+    elif options.domains:
+        raise InputError("--domains needs a structure without missing residues: use --move-domains beside --missing")
     sequences = options.sequence and [each.letters for each in readSequences(options.sequence)]
     return {
         "missing": options.missing,

@@ -1,4 +1,4 @@
-"""A run of tails, linkers or a whole chain with all atoms, as random coils, until conformers are independent."""
+"""A run of flexible residues with all atoms, as random coils, until conformers are independent."""
 
 import warnings
 from functools import partial
@@ -18,7 +18,7 @@ from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import createStericExclusionForce
 from ..torsions import findTorsions
 from .avoidedregions import readRegion
-from .builtshape import BuiltShape
+from .coilshape import CoilShape
 from .independentframes import IndependentRun
 from .startclashes import removeClashes
 
@@ -29,13 +29,13 @@ _KINDS = ("phi", "psi", "chi")
 _DRAWN, _TURNED, _SIDE_CHAINS = 0.5, 0.2, 0.3  # weights of moves
 
 
-def sampleCoil(built, temperature, seed, conformers, maxTrials, tables, avoid):
-    """Sample what was built, and domains that move with it, until there are enough conformers; return the Ensemble.
+def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid):
+    """Sample flexible residues, and what moves with them, until there are enough conformers; return the Ensemble.
 
     Parameters
     ----------
-    built : BuiltStructure
-        atoms that are neither built nor moved stay in place
+    scene : CoilScene
+        other atoms stay in place
     temperature : float
         K
     tables
@@ -43,14 +43,14 @@ def sampleCoil(built, temperature, seed, conformers, maxTrials, tables, avoid):
     avoid : iterable of str
         as `readRegion` reads them
     """
-    topology, positions = built.topology, built.positions
-    isMoving = built.isBuilt | built.isMoved
+    topology, positions = scene.topology, scene.positions
+    isMoving = scene.isFlexible | scene.isRigid
     system = openmm.System()
     for atom, moves in zip(topology.atoms(), isMoving, strict=True):
         system.addParticle(atom.element.mass if moves and atom.element is not None else float(moves))
-    torsions = _torsionsOf(built, isMoving)
+    torsions = _torsionsOf(scene, isMoving)
     if not torsions:
-        raise InputError("nothing can move: no torsion of the built residues can turn")
+        raise InputError("nothing can move: no torsion of flexible residues can turn")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NoteWarning)
         system.addForce(createStericExclusionForce(topology, torsions=torsions, system=system))
@@ -76,8 +76,8 @@ def sampleCoil(built, temperature, seed, conformers, maxTrials, tables, avoid):
     addMoves(integrator)
     context = openmm.Context(system, integrator, openmm.Platform.getPlatformByName("Reference"))
     context.setPositions(start)
-    shape = BuiltShape(built, start, isMoving)
-    stride = max(10, int(_TRIALS_PER_RESIDUE * sum(map(len, built.parts))))
+    shape = CoilShape(scene, start, isMoving)
+    stride = max(10, int(_TRIALS_PER_RESIDUE * sum(map(len, scene.parts))))
     found = IndependentRun(context, integrator, stride, shape.frameOf, shape.valuesOf, shape.deciding).sample(
         conformers, maxTrials
     )
@@ -94,20 +94,20 @@ def sampleCoil(built, temperature, seed, conformers, maxTrials, tables, avoid):
     )
 
 
-def _torsionsOf(built, isMoving):
-    """Return the Torsions that turn: about bonds of built atoms, or with only built atoms beyond one end.
+def _torsionsOf(scene, isMoving):
+    """Return the Torsions that turn: about bonds of flexible atoms, or with only flexible atoms at one end.
 
-    So domains that move stay rigid.
+    So what is rigid stays rigid.
     """
-    found = findTorsions(built.topology, kinds=_KINDS, fixed=~isMoving if not isMoving.all() else None).torsions
-    bonds = [(bond[0].index, bond[1].index) for bond in built.topology.bonds()]
+    found = findTorsions(scene.topology, kinds=_KINDS, fixed=~isMoving if not isMoving.all() else None).torsions
+    bonds = [(bond[0].index, bond[1].index) for bond in scene.topology.bonds()]
     neighbors = neighborLists(len(isMoving), bonds)
 
     def canTurn(second, third):
-        if built.isBuilt[[second, third]].any():
+        if scene.isFlexible[[second, third]].any():
             return True
         sides = (set(neighbors[second]) - {third}, set(neighbors[third]) - {second})
-        return any(built.isBuilt[list(side)].all() for side in sides)
+        return any(scene.isFlexible[list(side)].all() for side in sides)
 
     return [torsion for torsion in found if canTurn(*torsion.particles[1:3])]
 

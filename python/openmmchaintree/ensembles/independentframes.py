@@ -11,6 +11,7 @@ from ..statistics.estimates import estimate
 _FIRST_FRAMES = 200
 _LARGEST_GROWTH = 2  # of the number of frames, from one estimate to the next
 _MOST_FRAMES_PER_CONFORMER = 16  # beyond it every second frame is dropped
+_LEAST_CHANGE = 1e-4  # nm, or without a unit: what changes by less is rigid and does not decide
 _MARGIN = 1.1  # of the frames that an estimate asks for
 
 
@@ -62,10 +63,11 @@ class IndependentRun:
             while len(self._frames) < wanted and self._trials < maxTrials:
                 self._addFrame()
             values = self._allValues()
-            start, isEquilibrated = findEquilibration([values[name] for name in self._deciding])
+            deciding = [name for name in self._deciding if np.ptp(values[name]) > _LEAST_CHANGE]
+            start, isEquilibrated = findEquilibration([values[name] for name in deciding])
             estimates = {name: estimate([series[start:]]) for name, series in values.items()}
-            sizes = [estimates[name].effectiveSampleSize or 0.0 for name in self._deciding]
-            sample = min(sizes) if isEquilibrated else 0.0
+            sizes = [estimates[name].effectiveSampleSize or 0.0 for name in deciding]
+            sample = min(sizes, default=0.0) if isEquilibrated else 0.0
             isComplete = sample >= conformers
             if isComplete or self._trials >= maxTrials:
                 break

@@ -1,4 +1,4 @@
-"""The shape of a structure with built residues, frame by frame, of which only what moves is kept."""
+"""The shape of a structure with flexible residues, frame by frame, of which only what moves is kept."""
 
 import numpy as np
 
@@ -7,7 +7,7 @@ from ..torsions import findTorsions
 from .chainshape import ChainShape, shapesOf
 
 
-class BuiltShape:
+class CoilShape:
     """Which atoms of frames are kept, and the values that describe a frame.
 
     trace : int array, the Cα atoms of the longest part
@@ -17,9 +17,9 @@ class BuiltShape:
     hidden : set of str, names of values that only decide
     """
 
-    def __init__(self, built, positions, isMoving):
-        """Take a BuiltStructure, positions (nm) of all atoms, and which of them move."""
-        atoms = list(built.topology.atoms())
+    def __init__(self, scene, positions, isMoving):
+        """Take a CoilScene, positions (nm) of all atoms, and which of them move."""
+        atoms = list(scene.topology.atoms())
         self._positions = np.asarray(positions, dtype=np.float32)
         self._kept = np.flatnonzero(isMoving)
         self._isFree = len(self._kept) == len(atoms)
@@ -28,11 +28,11 @@ class BuiltShape:
         self._fixed, self._masses = fixed, np.concatenate([masses[self._kept], weights])
         place = {atom: number for number, atom in enumerate(self._kept.tolist())}
         self._traces, self._torsions = {}, {}
-        for part in built.parts:
+        for part in scene.parts:
             name = f"{describeResidue(part[0])} – {describeResidue(part[-1])}"
             trace = [place[atom.index] for residue in part for atom in residue.atoms() if atom.name in ("CA", "CH3")]
             self._traces[name] = np.array(trace, dtype=int)
-            found = findTorsions(built.topology, kinds=("psi", "chi1"), selection=_atomsOf(part)).torsions
+            found = findTorsions(scene.topology, kinds=("psi", "chi1"), selection=_atomsOf(part)).torsions
             for kind in ("psi", "chi1"):
                 particles = [
                     [place.get(atom, -1) for atom in torsion.particles] for torsion in found if torsion.kind == kind
