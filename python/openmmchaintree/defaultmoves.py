@@ -135,8 +135,8 @@ def _addMixtures(integrator, scene, rigidBodies, rigidStep, disordered):
         _addRigidBodies(adder, scene, rigidBodies, rigidStep)
     if not adder.added:
         raise ValueError(
-            "there is nothing to move: no torsion but in loops and rings of too few torsions for closed moves, no ball "
-            "joint, and no molecule beside another"
+            "there is nothing to move: no ball joint, no second molecule, and no torsion outside loops and rings that "
+            "have too few torsions for closed moves"
         )
     return adder
 

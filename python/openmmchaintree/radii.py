@@ -64,7 +64,7 @@ def particleRadii(graph, radiiSets, unknownRadius=None):
     radii = [functions[radiiSet](graph, atom) for atom, radiiSet in enumerate(_setOfEach(graph, radiiSets))]
     unknown = [f"{nameAtom(graph.atoms[i])}, {graph.atoms[i].element.name}" for i, r in enumerate(radii) if r is None]
     if unknown and unknownRadius is None:
-        note = Note("atoms of elements of which no radius is known", unknown)
+        note = Note("atoms of elements without a known radius", unknown)
         raise UnknownRadiusError(note, "pass radii or unknownRadius")
     return np.array([unknownRadius if value is None else value for value in radii], dtype=np.float64)
 

@@ -108,7 +108,7 @@ def _refuseMisreadings(expression):
     """
     (condition,) = ast.parse(expression, mode="eval").body.generators[0].ifs
     if isinstance(condition, ast.Constant) and not isinstance(condition.value, bool):
-        raise ValueError("a value alone is no condition")
+        raise ValueError("a value alone is not a condition")
     for node in ast.walk(condition):
         # A match by =~ is a call with the pattern and the text, and binds most loosely.
         sides = node.args if isinstance(node, ast.Call) else []

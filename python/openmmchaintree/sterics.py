@@ -209,7 +209,7 @@ def _radiiAndRoles(graph, radii, unknownRadius):
         if radii is None:
             radii = defaultRadii(graph)
         elif radii not in RADII_SETS:
-            raise ValueError(f"{radii!r} is no set of radii; the sets are {', '.join(RADII_SETS)}")
+            raise ValueError(f"{radii!r} is not a set of radii; the sets are {', '.join(RADII_SETS)}")
         if unknownRadius is not None:
             unknownRadius = inUnit(unknownRadius, "nm", "unknownRadius")
         return particleRadii(graph, radii, unknownRadius), hydrogenBondRoles(graph, radii)

@@ -72,12 +72,12 @@ class SymmetryClashes:
             self._excluded[copy.operator] = self._keys(self._nearBonds(copy, bonded))
             alternatives += self._describe(copy, pairs[self._areAlternatives(pairs)])
         if len(coinciding) > _MOST_COINCIDING * self._count:
-            coinciding = Note("atoms where the copies of others are", coinciding)
+            coinciding = Note("atoms at the place of a copy of another atom", coinciding)
             raise InputError(f"{crystal.path}: {coinciding}: does the file hold more than the asymmetric unit?")
         self.notes = found(
             [
                 Note("bonds with copies in the crystal", bonds),
-                Note("overlaps with copies that do not count, since both atoms are there in part only", alternatives),
+                Note("overlaps with copies that do not count, since both atoms have partial occupancy", alternatives),
             ]
         )
 

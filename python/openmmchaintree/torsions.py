@@ -232,7 +232,7 @@ def _expandKinds(kinds):
     for word in words:
         if word not in KIND_WORDS:
             near = didYouMean(word, KIND_WORDS)
-            raise ValueError(f"{word!r} is no kind of torsion; the kinds are {', '.join(KIND_WORDS)}{near}")
+            raise ValueError(f"{word!r} is not a kind of torsion; the kinds are {', '.join(KIND_WORDS)}{near}")
     return {kind for word in words for kind in _KINDS.get(word, ())}, ROTATABLE in words
 
 

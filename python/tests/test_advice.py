@@ -88,7 +88,7 @@ def _ligand(name, *elements):
 
 
 _CASES = {
-    "a radius": (lambda: [*DIPEPTIDE, *_ligand("LIG", "B", "O")], [], "no radius is known (1): L:LIG 1 B, boron: "),
+    "a radius": (lambda: [*DIPEPTIDE, *_ligand("LIG", "B", "O")], [], "without a known radius (1): L:LIG 1 B, boron: "),
     "hydrogens": (
         lambda: [line for line in DIPEPTIDE if not line.endswith("H")],
         ["--forcefield", PROTEIN],
@@ -118,6 +118,28 @@ def test_adviceHelps(runHere, tmp_path, case):
     assertRefused(refused, tmp_path, ["structure.pdb"], words)
     result = runHere(*options, *_followed(refused.stderr.split(words)[1]))
     assert result.returncode == 0, result.stderr
+
+
+def test_manyResiduesThatLackHydrogens(runHere, tmp_path, villin):
+    atoms = [atom for atom in villin.topology.atoms() if atom.element.symbol != "H"]
+    places = [(n, atom.name, atom.residue.name, "A", atom.residue.id) for n, atom in enumerate(atoms)]
+    lines = [pdbLine(*place, *(10 * villin.positions[atom.index])) for place, atom in zip(places, atoms, strict=True)]
+    writePDB(tmp_path / "structure.pdb", lines)
+    refused = runHere("structure.pdb", "--forcefield", PROTEIN)
+    assertRefused(refused, tmp_path, ["structure.pdb"], "lack hydrogens (35): ", "--add-hydrogens adds them")
+
+
+def test_nucleicAcidsThatAForceFieldOfProteinsDoesNotHave(runHere, tmp_path):
+    names = [name for name in ("DA", "DC", "DG", "DT") for _ in range(2)]
+    atoms = ("O5'", "C5'", "C4'", "C3'", "O3'")
+    lines = [
+        pdbLine(5 * n + k, atom, name, "A", n, 9.0 * n, 1.5 * k, 0)
+        for n, name in enumerate(names)
+        for k, atom in enumerate(atoms)
+    ]
+    writePDB(tmp_path / "structure.pdb", lines)
+    refused = runHere("structure.pdb", "--forcefield", PROTEIN)
+    assertRefused(refused, tmp_path, ["structure.pdb"], "does not have (8): ", "let --prepare replace them")
 
 
 def test_residuesBoundToUnknownOnesAreNotNamed(runHere, tmp_path):
@@ -170,7 +192,10 @@ def test_withoutNativeEnergies(runHere, tmp_path):
 
 @pytest.mark.parametrize(
     ("held", "kinds", "words"),
-    [("20 to 21", "phi", "since loops of one or two residues cannot be closed"), ("20 to 22", "phi", "by --torsions")],
+    [
+        ("20 to 21", "phi", "since loops of one or two residues cannot be closed"),
+        ("20 to 22", "phi", "add kinds of torsions"),
+    ],
 )
 def test_adviceThatWasFollowedIsNotGiven(runHere, tmp_path, held, kinds, words):
     options = ("--fix", f"not resSeq {held}", "--close", "loops", "--trials", 10)

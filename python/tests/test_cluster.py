@@ -217,7 +217,7 @@ def test_noSchedulerButAnother(runHere, tmp_path, monkeypatch):
         Thread(target=answer, daemon=True).start()
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         result = runHere("sample", *OPTIONS, "--scheduler", address)
-    words = f"--scheduler {address}: cannot be reached (what is there does not answer as a scheduler does)"
+    words = f"--scheduler {address}: cannot be reached (the program at this address is not a scheduler)"
     assertRefused(result, tmp_path, files, words)
 
 

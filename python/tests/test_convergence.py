@@ -202,7 +202,7 @@ def test_verdicts():
     assert drifting["verdict"].startswith("too short: effective sample size ") and "(rmsd)" in drifting["verdict"]
     broken = steady["rmsd"].copy()
     broken[7] = np.nan
-    assert "1 values are no numbers (rmsd)" in estimatesOf({"rmsd": broken}, moving[:, None], ["psi"])["verdict"]
+    assert "1 values are not numbers (rmsd)" in estimatesOf({"rmsd": broken}, moving[:, None], ["psi"])["verdict"]
     assert estimatesOf({}, np.empty((3000, 0)), [])["verdict"] == "nothing varies"
 
 

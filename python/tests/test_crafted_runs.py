@@ -108,7 +108,8 @@ def test_states(run, tmp_path, place):
     for value in (-1, 10**30, "x", [-1], {}):
         craft(path, changed(header, ("state", *place), value), checkpoints)
         files = filesIn(tmp_path)
-        assertRefused(run(), tmp_path, files, "run.checkpoint: is no checkpoint of this command: state.", "is missing")
+        words = "run.checkpoint: is not a checkpoint of this command: state.", "is missing"
+        assertRefused(run(), tmp_path, files, *words)
 
 
 @pytest.mark.parametrize(
@@ -131,7 +132,7 @@ def test_states(run, tmp_path, place):
         ),
         (("settings", "trials"), 10**15, "run-index.csv: is not the index that the run has written"),
         (("temporary",), "../mine.json", "temporary is missing or wrong in it"),
-        (("settings", "scheduler"), "tcp://127.0.0.1:1", "scheduler is no setting of this command"),
+        (("settings", "scheduler"), "tcp://127.0.0.1:1", "scheduler is not a setting of this command"),
     ],
 )
 def test_wrong(run, tmp_path, place, value, words):
@@ -174,7 +175,7 @@ def test_replicas(run, tmp_path):
         held = {name: checkpoints.get(int(name) if name.isdigit() else 0, b"") for name in names if name != "run.json"}
         digests = {name: sha256(content).hexdigest() for name, content in held.items()}
         craft(path, {**header, "digests": digests if "run.json" not in names else {"run.json": "0" * 64}}, held)
-        assertRefused(run(), tmp_path, filesIn(tmp_path), "run.checkpoint: is no checkpoint of this command")
+        assertRefused(run(), tmp_path, filesIn(tmp_path), "run.checkpoint: is not a checkpoint of this command")
 
 
 def test_aBomb(run, tmp_path, monkeypatch):

@@ -124,13 +124,13 @@ def test_roundingIsNoMotion():
         ([[1.0] * 50, [1.0]], "too short: 51 values"),
         ([[1.0] * 50], "constant"),
         ([[0.0] * 50], "constant"),
-        ([[1.0] * 20 + [np.nan, np.inf]], "2 values are no numbers"),
+        ([[1.0] * 20 + [np.nan, np.inf]], "2 values are not numbers"),
     ],
 )
 def test_nothingFollows(estimating, chains, verdict):
     found = estimating(chains)
     assert found.verdict == verdict and not found.effectiveSampleSize and found.rhat is None
-    assert (found.mean is None) == (not len(chains[0]) or "no numbers" in verdict)
+    assert (found.mean is None) == (not len(chains[0]) or "not numbers" in verdict)
 
 
 # ---- Equilibration ----

@@ -165,7 +165,7 @@ def test_loopBetweenFixedEnds(sample, villin):
             ["--fix 'name CA' leaves nothing that moves", "torsions left out, between two fixed parts"],
         ),
         (["--fix", "all", "--rigid-bodies"], ["--fix 'all' leaves nothing that moves"]),
-        (["--torsions", "phi,tau"], ["--torsions", "'tau' is none of phi, psi"]),
+        (["--torsions", "phi,tau"], ["--torsions", "'tau' is not one of phi, psi"]),
         (["--torsions", "alpha"], ["there is no torsion of a protein or nucleic acid (alpha)"]),
     ],
 )

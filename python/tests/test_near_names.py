@@ -14,9 +14,10 @@ from scenes import peptide, writeSmallStructures
         (["sample", "--forcefeild", "x.xml"], ["unrecognized arguments: --forcefeild", "did you mean --forcefield?"]),
         (["sample", "--trails=5"], ["did you mean --trials?"]),
         (["clashes", "run.pdb", "--symetry"], ["did you mean --symmetry?"]),
-        (["sample", "--torsions", "phi,spi"], ["'spi' is none of", "did you mean psi?"]),
+        (["sample", "--torsions", "phi,spi"], ["'spi' is not one of", "did you mean psi?"]),
         (["sample", "--steric", "of"], ["did you mean off?"]),
-        (["sample", "--config", "wrong.toml"], ["trails is no setting of this command; did you mean trials?"]),
+        (["sample", "--config", "wrong.toml"], ["trails is not a setting of this command; did you mean trials?"]),
+        (["sample", "run.pdb", "--forcefield", "amber14"], ["did you mean amber14-all.xml?"]),
         (["sample", "run.pdb", "--forcefield", "amber14-all"], ["did you mean amber14-all.xml?"]),
         (["sample", "run.pdb", "--forcefield", "amber14-all.xml", "gbn2.xml"], ["did you mean implicit/gbn2.xml?"]),
         (["sample", "run.pdb", "--forcefield", "amber14_all.xml"], ["did you mean amber14-all.xml?"]),
@@ -60,7 +61,7 @@ def test_ofPython():
     topology = peptide("ALA", "LYS", "SER")
     with pytest.raises(ValueError, match="since there is no residue ALE; did you mean ALA"):
         selectAtoms(topology, "resname ALE")
-    with pytest.raises(ValueError, match="'ch1' is no kind of torsion; .*; did you mean chi1"):
+    with pytest.raises(ValueError, match="'ch1' is not a kind of torsion; .*; did you mean chi1"):
         findTorsions(topology, kinds=("ch1",))
 
 

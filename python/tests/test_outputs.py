@@ -121,7 +121,7 @@ def test_whatComesIntoBeingMeanwhileStays(tmp_path):
     assert filesIn(tmp_path) == []
     (tmp_path / "a.json").write_text("mine")
     for write in (lambda: output.write("ours"), output.open):
-        with pytest.raises(OutputError, match=r"a\.json: exists by now, and was not overwritten"):
+        with pytest.raises(OutputError, match=r"a\.json: was made in the meantime, and was not overwritten"):
             write()
     assert (tmp_path / "a.json").read_text() == "mine" and filesIn(tmp_path) == ["a.json"]
 
@@ -292,9 +292,9 @@ def test_standardOutputIsFull(tmp_path, options):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("run.dcd", "is no file, but a run reads its trajectory, table and checkpoint again"),
-        ("run.csv", "is no file, but a run reads"),
-        ("run.checkpoint", "is no file, but a run reads"),
+        ("run.dcd", "is not a regular file, and a run reads what it wrote"),
+        ("run.csv", "is not a regular file"),
+        ("run.checkpoint", "is not a regular file"),
         ("run-topology.pdb", f"cannot be written ({NO_SPACE})\n"),
     ],
 )

@@ -116,7 +116,7 @@ def test_prepareSaysWhatItDoes(prepared):
     assert itemsOf(prepared, "additives") == ["A:GOL 903"]
     assert itemsOf(prepared, "ions left out, since nothing") == ["A:CL 902"]
     assert not [note for note in prepared.notes if "gaps in the chain" == note.kind]
-    assert not [note for note in prepared.notes if "wrong hand" in note.kind or "too long" in note.kind]
+    assert not [note for note in prepared.notes if "chirality" in note.kind or "too long" in note.kind]
 
 
 def test_prepareCompletesWithoutMovingWhatIsThere(prepared, villin, bankFile, model):

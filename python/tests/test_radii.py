@@ -156,7 +156,7 @@ def test_extraParticleIsNotModelled(radiiSet):
 
 @pytest.mark.parametrize("radiiSet", [ALL_ATOM, UNITED_ATOM])
 def test_unknownElementIsNamed(radiiSet):
-    message = r"^atoms of .* no radius is known \(1\): A:LIG 1 X1, xenon: pass radii or unknownRadius$"
+    message = r"^atoms of elements without a known radius \(1\): A:LIG 1 X1, xenon: pass radii or unknownRadius$"
     with pytest.raises(ValueError, match=message):
         particleRadii(singleAtom("Xe"), radiiSet)
     assert particleRadii(singleAtom("Xe"), radiiSet, unknownRadius=0.2) == [0.2]

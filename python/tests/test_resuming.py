@@ -247,10 +247,10 @@ def test_aFinishedRunReportsAgain(finished, runHere, tmp_path):
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--frames", 4], "run.checkpoint: a resumed run keeps its settings, so not another --frames"),
-        (["--seed", 2], "so not another --seed"),
-        (["-o", "other"], "so not another --output"),
-        (["other.pdb"], "so not another structure"),
+        (["--frames", 4], "run.checkpoint: a resumed run keeps its settings, also --frames"),
+        (["--seed", 2], "also --seed"),
+        (["-o", "other"], "also --output"),
+        (["other.pdb"], "also structure"),
         (["--config", "run-settings.toml"], "--config and --resume cannot be used together"),
     ],
 )
@@ -399,9 +399,9 @@ def spoil(path, what):
     ("name", "what", "words"),
     [
         ("run.checkpoint", "gone", "run.checkpoint: there is no such file"),
-        ("run.checkpoint", "cut", "run.checkpoint: is no checkpoint of this command, or damaged"),
-        ("run.checkpoint", "flip", "run.checkpoint: is no checkpoint of this command, or damaged"),
-        ("run.checkpoint", "text", "run.checkpoint: is no checkpoint of this command, or damaged"),
+        ("run.checkpoint", "cut", "run.checkpoint: is not a checkpoint of this command, or damaged"),
+        ("run.checkpoint", "flip", "run.checkpoint: is not a checkpoint of this command, or damaged"),
+        ("run.checkpoint", "text", "run.checkpoint: is not a checkpoint of this command, or damaged"),
         ("run.checkpoint", "version", "run.checkpoint: is of another version of openmm-chaintree"),
         ("run.checkpoint", "swap", "or damaged (the checkpoint of replica 0 is not what was written)"),
         ("run-replica-1.dcd", "gone", "run-replica-1.dcd: the file to continue is missing"),

@@ -60,7 +60,7 @@ def test_twice(resume, tmp_path):
 @pytest.mark.parametrize(
     ("name", "what", "words"),
     [
-        ("run.checkpoint", "cut", "run.checkpoint: is no checkpoint of this command, or damaged"),
+        ("run.checkpoint", "cut", "run.checkpoint: is not a checkpoint of this command, or damaged"),
         ("run.dcd", "gone", "run.dcd: the file to continue is missing"),
         ("run.dcd", "cut", "run.dcd: is not the trajectory that the run has written"),
         ("run.dcd", "text", "run.dcd: is not the trajectory that the run has written"),

@@ -116,7 +116,7 @@ def test_toleratedPairsAreExplained(runHere, tmp_path):
     structure = writePDB(tmp_path / "close.pdb", [*GLYCINES, "TER", *above])
     result = runHere(structure, "--trials", 1, "--seed", 1)
     assert result.returncode == 0, result.stderr
-    explanation = "tolerated are pairs that clashed at the start: they may stay so, but never overlap by more"
+    explanation = "tolerated pairs clashed at the start: they may still overlap, but never by more"
     lines = result.stdout.splitlines()
     assert lines[lines.index(explanation) + 1].startswith("  tolerated: A:GLY ")
     villin = runHere("--trials", 1000, "--seed", 1, "-o", "villin")

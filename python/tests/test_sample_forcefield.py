@@ -371,7 +371,7 @@ def test_leaveOut(runHere, tmp_path, lines):
     assert result.returncode == 0, result.stderr
     assert json.loads((tmp_path / "summary.json").read_text())["atoms"] == 582
     assertRefused(
-        runHere(structure, "--leave-out", "all", "--overwrite"), tmp_path, filesIn(tmp_path), "nothing is left"
+        runHere(structure, "--leave-out", "all", "--overwrite"), tmp_path, filesIn(tmp_path), "no atom remains"
     )
     assertRefused(
         runHere(structure, "--leave-out", "resname XYZ", "--overwrite"), tmp_path, filesIn(tmp_path), "--leave-out"
@@ -426,7 +426,7 @@ def test_residuesThatDoNotFit(runHere, tmp_path, lines, isChosen, rename, words)
         (["--forcefield", PROTEIN, "--temperature", "warm"], "'warm' is not a number"),
         (["--forcefield", PROTEIN, "--nonbonded-cutoff", "0"], "0 is not in the range"),
         (["--forcefield", PROTEIN, "--add-hydrogens", "--ph", "15"], "15 is not in the range 0 to 14"),
-        (["--forcefield", PROTEIN, "structure.pdb"], "structure.pdb: is no XML file; name the structure before"),
+        (["--forcefield", PROTEIN, "structure.pdb"], "structure.pdb: is not an XML file; name the structure before"),
         (["--forcefield", "broken.xml"], "--forcefield broken.xml: "),
         (["--forcefield", PROTEIN, "steric.xml"], "adds its own StericExclusionForce"),
         (["--forcefield", "implicit/gbn2.xml"], "--forcefield implicit/gbn2.xml: "),

@@ -82,7 +82,7 @@ def test_indices():
         ("name > 5", "name > 5"),
         ("mass 1.2.3", "mass 1.2.3"),
         ("CA", "CA"),
-        ("1", "a value alone is no condition"),
+        ("1", "a value alone is not a condition"),
         ("protein && resSeq < 52", "put comparisons in parentheses"),
         ("protein and resSeq lt 52", "put comparisons in parentheses"),
         ("protein and name =~ 'C.*'", "put comparisons in parentheses"),

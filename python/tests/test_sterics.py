@@ -72,7 +72,7 @@ def test_radiiOfChoice(villin):
 
 def test_badArguments(villin):
     topology = villin.topology
-    with pytest.raises(ValueError, match="^'bondi' is no set of radii; the sets are all-atom, united-atom$"):
+    with pytest.raises(ValueError, match="^'bondi' is not a set of radii; the sets are all-atom, united-atom$"):
         createStericExclusionForce(topology, radii="bondi")
     with pytest.raises(ValueError, match=r"^radii must have the shape \(582,\), not \(3,\)$"):
         createStericExclusionForce(topology, radii=[0.1, 0.1, 0.1])
@@ -80,7 +80,7 @@ def test_badArguments(villin):
         createStericExclusionForce(topology, radii=np.ones(582) * unit.kelvin)
     with pytest.raises(ValueError, match=r"^positions must have the shape \(582, 3\)"):
         createStericExclusionForce(topology, villin.positions[:-1])
-    with pytest.raises(ValueError, match="^'tau' is no kind of torsion"):
+    with pytest.raises(ValueError, match="^'tau' is not a kind of torsion"):
         createStericExclusionForce(topology, torsions=("tau",))
     with pytest.raises(Exception, match="bondCutoff|bonds"):
         createStericExclusionForce(topology, bondCutoff=-1)

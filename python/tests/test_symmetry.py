@@ -326,7 +326,7 @@ def test_alternatives(tmp_path, occupancy, isClash):
     lines = [f"{line[:54]}{occupancy:6.2f}{line[60:]}" for line in movedTo(GLYCINES, _PLACES + [1.0, 4, 0.5])]
     path = writePDB(tmp_path / "halves.pdb", [_AXIS, *lines])
     assert bool(search(path, symmetry=True)) == isClash
-    words = "overlaps with copies that do not count, since both atoms are there in part only"
+    words = "overlaps with copies that do not count, since both atoms have partial occupancy"
     assert any(words in note for note in notesOf(path)) != isClash
 
 
@@ -438,8 +438,9 @@ def test_moreThanTheAsymmetricUnit(tmp_path):
     both = [line[:21] + chain + line[22:] for line, chain in zip(both, "AAAAAAAABBBBBBBB", strict=True)]
     words = refusal(writePDB(tmp_path / "dimer.pdb", [_AXIS, *both]))
     assert words == (
-        "atoms where the copies of others are (8): A:GLY 1 N – B:GLY 1 N (-x,y,-z); A:GLY 1 CA – B:GLY 1 CA (-x,y,-z); "
-        "A:GLY 1 C – B:GLY 1 C (-x,y,-z); and 5 more: does the file hold more than the asymmetric unit?"
+        "atoms at the place of a copy of another atom (8): A:GLY 1 N – B:GLY 1 N (-x,y,-z); "
+        "A:GLY 1 CA – B:GLY 1 CA (-x,y,-z); A:GLY 1 C – B:GLY 1 C (-x,y,-z); and 5 more: "
+        "does the file hold more than the asymmetric unit?"
     )
 
 

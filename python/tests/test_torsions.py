@@ -159,7 +159,7 @@ def test_cyclicPeptideIsARing():
 
 
 def test_unknownKindIsRefused():
-    with pytest.raises(ValueError, match="^'tau' is no kind of torsion; the kinds are phi, psi, omega, chi"):
+    with pytest.raises(ValueError, match="^'tau' is not a kind of torsion; the kinds are phi, psi, omega, chi"):
         findTorsions(peptide("ALA"), kinds=("phi", "tau"))
 
 

@@ -84,7 +84,7 @@ def duration(text):
     """Return the seconds of a text such as 90, 45s, 30min, 1.5h or 1h30min."""
     parts = _DURATION.fullmatch(text.strip()) and _DURATION_PART.findall(text)
     if not parts:
-        raise argparse.ArgumentTypeError(f"{text!r} is no time such as 30min, 1.5h or 90 (seconds)")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time such as 30min, 1.5h or 90 (seconds)")
     seconds = sum(float(number) * _SECONDS[unit or "s"] for number, unit in parts)
     if not 0 < seconds <= _LONGEST_DURATION:
         raise argparse.ArgumentTypeError(f"{text!r} has to be above 0, and at most ten years")
@@ -119,7 +119,7 @@ def listOf(names):
         chosen = text.split(",")
         for name in chosen:
             if name not in names:
-                raise argparse.ArgumentTypeError(f"{name!r} is none of {', '.join(names)}{didYouMean(name, names)}")
+                raise argparse.ArgumentTypeError(f"{name!r} is not one of {', '.join(names)}{didYouMean(name, names)}")
         return chosen
 
     return read

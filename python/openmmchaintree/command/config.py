@@ -22,7 +22,7 @@ _LARGEST_FILE = 10**6  # bytes
 
 # Reading nested keys takes time quadratic in their number.
 _DEEP_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]+|"[^"\n]*"|'[^'\n]*')[ \t]*\.[ \t]*){32}""")
-_TOO_DEEP = "is no TOML of settings (lists or tables within each other are too deep: a setting is a value or a list)"
+_TOO_DEEP = "is not TOML of settings (lists or tables within each other are too deep: a setting is a value or a list)"
 
 
 def addConfig(parser):
@@ -59,7 +59,7 @@ def applySettings(parser, arguments):
     actions = _settingsOf(parser)
     for name, value in settings.items():
         if name not in actions:
-            raise InputError(f"{source}: {name} is no setting of this command{didYouMean(name, actions)}")
+            raise InputError(f"{source}: {name} is not a setting of this command{didYouMean(name, actions)}")
         action = actions[name]
         parser.set_defaults(**{action.dest: _read(parser, action, value, f"{source}: {name}")})
 
@@ -114,7 +114,7 @@ def readSettings(path):
     except RecursionError as error:
         raise InputError(f"{path}: {_TOO_DEEP}") from error
     except ValueError as error:  # from TOML, bytes that are not text, or numbers with thousands of digits
-        raise InputError(f"{path}: is no TOML ({error})") from error
+        raise InputError(f"{path}: is not TOML ({error})") from error
     others = [name for name in content if name != _TABLE]
     if others or not isinstance(content.get(_TABLE), dict):
         raise InputError(
@@ -148,7 +148,7 @@ def _checkText(name, value):
         str(value).encode("utf-8")
     except UnicodeEncodeError as error:
         encoding = sys.getfilesystemencoding()
-        raise InputError(f"{name} {value!r}: is no text in {encoding}, so that settings cannot hold it") from error
+        raise InputError(f"{name} {value!r}: settings cannot hold it, since it is not text in {encoding}") from error
 
 
 def asTOML(settings):

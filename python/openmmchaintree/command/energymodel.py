@@ -185,7 +185,7 @@ def minimizeSystem(system, positions, atoms):
     """Do the work of EnergyModel.minimize on a System, whose masses change."""
     positions, energies = _minimize(system, positions, atoms, _MINIMIZING_ITERATIONS)
     if not np.isfinite([*energies, *positions.ravel()]).all():
-        raise InputError("--minimize: the energy is not a number; are atoms at one place?")
+        raise InputError("--minimize: the energy is not a number; are two atoms at the same place?")
     return positions, energies
 
 
@@ -216,8 +216,9 @@ def _nearFile(name):
         return ""
     known = {str(path.relative_to(folder)) for folder in folders for path in Path(folder).rglob("*.xml")}
     known |= {str(path) for path in Path(os.path.dirname(name)).glob("*.xml")}
-    # A name without its folder, or without its ending.
+    # A name without its folder or its ending, or the beginning of a name.
     alone = [each for each in sorted(known) if os.path.basename(each).removesuffix(".xml") == name.removesuffix(".xml")]
+    alone += [each for each in sorted(known, key=len) if name and os.path.basename(each).startswith(name)]
     return f"; did you mean {alone[0]}?" if alone else didYouMean(name, known)
 
 
@@ -230,11 +231,11 @@ def repeatablePlatform():
 
 
 def _checkForceField(file):
-    """Refuse a file that is none of a ForceField, with what it seems to be."""
+    """Refuse a file that is not one of a ForceField, with what it seems to be."""
     if rootOfXML(file) == "System":
         raise InputError(f"--forcefield {file}: is a serialized System, which --system reads")
     if not file.lower().endswith(".xml"):
-        raise InputError(f"--forcefield {file}: is no XML file; name the structure before this option")
+        raise InputError(f"--forcefield {file}: is not an XML file; name the structure before this option")
 
 
 def isSolvent(force):

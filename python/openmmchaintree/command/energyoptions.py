@@ -184,5 +184,5 @@ def _implicitSolvent(text):
     """Return OpenMM's name of an implicit solvent; upper and lower case are the same."""
     names = {name.lower(): name for name in IMPLICIT_SOLVENTS}
     if text.lower() not in names:
-        raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(IMPLICIT_SOLVENTS)}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not one of {', '.join(IMPLICIT_SOLVENTS)}")
     return names[text.lower()]

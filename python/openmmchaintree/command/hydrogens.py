@@ -161,7 +161,7 @@ def _noteVariants(own, chosen, pH):
         for residue, variant in zip(own, chosen, strict=True)
         if variant in _VARIANTS and variant != "CYX"
     ]
-    return found([Note(f"protonation that hydrogens were added by, at pH {pH:g}", items)])
+    return found([Note(f"protonation states of residues with added hydrogens, at pH {pH:g}", items)])
 
 
 def _restore(structure, modeller, own, notes):

@@ -80,7 +80,8 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
     parts = []
     for (what, remedy), found in misfits.items():
         items = [f"{describeResidue(residue)}{detail}" for residue, detail in found]
-        remedy = remedy.format(_selection([residue for residue, _ in found], topology))
+        if remedy == _LEAVE_OUT:
+            remedy = remedy.format(_selection([residue for residue, _ in found], topology))
         parts.append(f"{Note(f'residues {what}', items)}: {remedy}")
     return f"{name}: {listFirst(parts, '; ') or firstSentence(error)}"
 
@@ -88,16 +89,20 @@ def describeMisfits(forceField, files, topology, error, hydrogensWereAdded, some
 def _selection(residues, topology):
     """Return a selection of residues of a Topology: by name, of the rest beside polymers, or an example."""
     names = list(dict.fromkeys(residue.name for residue in residues))
-    if len(names) > _LONGEST_SELECTION:
+    if len(names) > _LONGEST_SELECTION and not any(map(isPolymer, residues)):
         selection = (
             "not (protein or nucleic)"
             if any(isNucleotide(residue.name) for residue in topology.residues())
             else "not protein"
         )
         atoms = list(topology.atoms())
-        chosen = {atoms[index].residue for index in selectAtoms(topology, selection)}
+        try:
+            chosen = {atoms[index].residue for index in selectAtoms(topology, selection)}
+        except ValueError:  # MDTraj counts all of them among proteins
+            chosen = set()
         if chosen.issuperset(residues) and not any(map(isPolymer, chosen)):
             return selection
+    if len(names) > _LONGEST_SELECTION:
         names = names[:1]
     # The language takes a name that begins with a digit for a number unless it is in quotes.
     return " or ".join(f"resname {name}" if name.isidentifier() else f"resname '{name}'" for name in names)

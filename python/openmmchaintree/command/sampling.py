@@ -133,8 +133,8 @@ class Sampling:
             self.moves = self._addMovesOfSpheres(system)
             if not self.moves:
                 raise InputError(
-                    "torsions turn only in loops and rings that --close keeps, which have too few of them for closed "
-                    "moves: let more turn by --torsions, or fewer atoms stay by --fix"
+                    "all torsions lie in loops and rings that --close keeps, and these have too few for closed moves: "
+                    "add kinds of torsions (--torsions), or fix fewer atoms (--fix)"
                 )
         else:
             try:

@@ -39,7 +39,7 @@ class SavedRun:
 
     def _refuse(self, wrong):
         if wrong is not None:
-            raise InputError(f"{self.path}: is no checkpoint of this command: {wrong} is missing or wrong in it")
+            raise InputError(f"{self.path}: is not a checkpoint of this command: {wrong} is missing or wrong in it")
 
     def checkState(self, plan, moves):
         """Refuse a state that does not match a RunPlan with `moves` moves and the former trials, or its replicas."""
@@ -68,7 +68,7 @@ class SavedRun:
             if it has changed, or cannot be read
         """
         if readCheckpoint(self.path) != (self.header, self.checkpoints):
-            raise InputError(f"{self.path}: another run has written it meanwhile")
+            raise InputError(f"{self.path}: another run has written it in the meantime")
 
     @property
     def settings(self):
@@ -81,7 +81,7 @@ class SavedRun:
         for name in sorted(names):
             if self.settings.get(name) != settings.get(name):
                 option = name if name == "structure" else f"--{name}"
-                raise InputError(f"--resume {self.path}: a resumed run keeps its settings, so not another {option}")
+                raise InputError(f"--resume {self.path}: a resumed run keeps its settings, also {option}")
 
     def framesOf(self, trials):
         """Return the number of frames for a number of trials, with the interval between frames of the run.

@@ -100,8 +100,8 @@ def kindOf(path):
     if b"\0" not in start and (b"[" in start or b"#include" in start):
         return _GromacsFile
     raise InputError(
-        f"--system {path}: is {'empty' if not start else 'no file of a System'}; it takes AMBER prmtop, GROMACS top, "
-        "CHARMM PSF, and XML of a System"
+        f"--system {path}: is {'empty' if not start else 'not a file of a System'}; it takes AMBER prmtop, GROMACS "
+        "top, CHARMM PSF, and XML of a System"
     )
 
 
@@ -111,7 +111,7 @@ def _kindOfXML(path):
         return _SerializedFile
     if root == "ForceField":
         raise InputError(f"--system {path}: is a file of a ForceField, which --forcefield reads")
-    what = "is no XML that can be read" if root is None else f"has a {root}, not a System"
+    what = "is not XML that can be read" if root is None else f"has a {root}, not a System"
     raise InputError(f"--system {path}: {what}")
 
 
@@ -119,7 +119,7 @@ def checkFiles(names):
     """Raise an InputError that names the first file that is not there."""
     for name in names:
         if not os.path.isfile(name):
-            raise InputError(f"--parameters {name}: {'is no file' if os.path.exists(name) else 'No such file'}")
+            raise InputError(f"--parameters {name}: {'is not a file' if os.path.exists(name) else 'No such file'}")
 
 
 def _withChains(topology):

@@ -93,7 +93,7 @@ def readCheckpoint(path):
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({error.strerror or error})") from error
     except _DAMAGES as error:
-        raise InputError(f"{path}: is no checkpoint of this command, or damaged ({error})") from error
+        raise InputError(f"{path}: is not a checkpoint of this command, or damaged ({error})") from error
     return header, {int(name): checkpoint for name, checkpoint in checkpoints.items()}
 
 
@@ -110,5 +110,5 @@ def _replica(name):
     """Return the number of a replica by its name."""
     number = int(name)
     if str(number) != name or not 0 <= number < _MOST_REPLICAS:
-        raise ValueError(f"{name!r} is no number of a replica")
+        raise ValueError(f"{name!r} is not a number of a replica")
     return number

@@ -231,7 +231,7 @@ def _connect(Client, address):
     if isinstance(end, _REASONS):
         raise end
     if end is None or isinstance(end, BaseException):  # such as MemoryError, from bytes misread as a length
-        raise ConnectionError("what is there does not answer as a scheduler does") from end
+        raise ConnectionError("the program at this address is not a scheduler") from end
     return end
 
 

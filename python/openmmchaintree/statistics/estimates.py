@@ -85,7 +85,7 @@ def _refusal(chains, mean):
     """Return why chains with this mean, None with values that are no numbers, say nothing else; None if they do."""
     count = sum(map(len, chains))
     if count and mean is None:
-        return f"{sum(np.count_nonzero(~np.isfinite(chain)) for chain in chains):,} values are no numbers"
+        return f"{sum(np.count_nonzero(~np.isfinite(chain)) for chain in chains):,} values are not numbers"
     if min(map(len, chains), default=0) < _FEWEST_VALUES:
         return f"too short: {count} values"
     return None

@@ -184,7 +184,7 @@ def withoutAtoms(structure, atoms):
     left = set(atoms.tolist())
     kept = [atom for atom in structure.topology.atoms() if atom.index not in left]
     if not kept:
-        raise InputError("nothing is left")
+        raise InputError("no atom remains")
     indices = [atom.index for atom in kept]
     return structure._replace(
         topology=subset(structure.topology, kept),

@@ -130,7 +130,7 @@ def readIndex(path):
             rows = np.loadtxt(file, delimiter=",", ndmin=2, converters=orNaN)
         columns = dict(zip(names, rows.T, strict=True))
     except ValueError as error:
-        raise InputError(f"{path}: is no index of frames ({error})") from error
+        raise InputError(f"{path}: is not an index of frames ({error})") from error
     count = len(rows)
     missing = {"frame": np.arange(count), "replica": np.zeros(count)}
     columns = {name: columns.get(name, missing.get(name, np.full(count, np.nan))) for name in _NAMES}

@@ -212,14 +212,14 @@ class Output:
         try:
             yield
         except FileExistsError as error:
-            raise OutputError(f"{self.name}: exists by now, and was not overwritten") from error
+            raise OutputError(f"{self.name}: was made in the meantime, and was not overwritten") from error
         except OSError as error:
             raise OutputError(f"{self.name}: cannot be written ({error.strerror})") from error
 
     def requireFile(self):
         """Refuse a device or pipe, whose content cannot be read again."""
         if self._isSpecial:
-            raise InputError(f"{self.name}: is no file, but a run reads its trajectory, table and checkpoint again")
+            raise InputError(f"{self.name}: is not a regular file, and a run reads what it wrote")
 
     def needsOverwrite(self):
         """Whether the file exists and must not be replaced."""

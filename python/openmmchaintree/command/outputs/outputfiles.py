@@ -46,7 +46,7 @@ def beginning(outputs):
         for output in files:
             output.checkFree()
             if output.needsOverwrite():
-                raise OutputError(f"{output.name}: exists by now, and was not overwritten")
+                raise OutputError(f"{output.name}: was made in the meantime, and was not overwritten")
         yield
 
 

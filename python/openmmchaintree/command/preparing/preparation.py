@@ -89,7 +89,7 @@ def _describeResult(structure, isNew, shapes):
                 "bonds of completed residues that are still too long (--minimize may help)",
                 map(graph.describePair, long),
             ),
-            Note("completed residues with a center of the wrong hand, or a cis peptide bond", wrong),
+            Note("completed residues with wrong chirality, or with a cis peptide bond", wrong),
         ]
     )
 

@@ -108,7 +108,7 @@ def printReport(summary, search, frames, files, rows, console, isVerbose):
     console.print(
         f"{summary['trajectory'] or summary['structure']}: {summary['atomsLookedAt']:,} of {summary['atoms']:,} atoms "
         f"looked at, {summary['radii']} radii; a clash is an overlap above {tolerance:g} nm, "
-        f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond may be"
+        f"{tolerance + summary['hydrogenBondAllowance']:g} nm where a hydrogen bond is possible"
     )
     if search.crystal is not None:
         console.print(f"copies in the crystal count ({search.crystal.spaceGroup}): their operators are in brackets")

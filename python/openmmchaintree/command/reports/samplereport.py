@@ -227,7 +227,7 @@ def _printVerdict(summary, console):
     if len(bonds) > _LONGEST_LIST:
         console.print(f"  and {len(bonds) - _LONGEST_LIST:,} more bonds")
     if tolerated:
-        console.print("tolerated are pairs that clashed at the start: they may stay so, but never overlap by more")
+        console.print("tolerated pairs clashed at the start: they may still overlap, but never by more")
     if len(tolerated) <= _LONGEST_LIST:
         for pair in tolerated:
             _printPair("tolerated", pair, f"tolerance {pair['tolerance']:.9f} nm", console)
