@@ -22,6 +22,7 @@
 #include "openmm/RPMDMonteCarloBarostat.h"
 #include "openmmchaintree/internal/Interpreter.h"
 #include "openmmchaintree/internal/Warnings.h"
+#include "openmmchaintree/LoopGrowth.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include "openmmchaintree/TorsionDensity.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"
@@ -100,6 +101,14 @@ class EnergyPlan(list[PlannedEnergy]):
         return "\n".join(
             f"{entry.force:>3}  {entry.name:<{width}}  {entry.kind:<11}  {entry.reason}".rstrip() for entry in self
         )
+
+
+class GrownLoop(NamedTuple):
+    """A grown loop: positions of all particles (nm); logarithms of its weight and of the density of its torsions."""
+
+    positions: _Floats
+    logWeight: float
+    logDensity: float
 
 
 class MinimumDistance(NamedTuple):
@@ -477,6 +486,7 @@ static bool toVec3s(PyObject* object, const char* unit, const char* name, std::v
 %unit("nm", allowance)
 %unit("nm", cutoff)
 %unit("nm", position)
+%unit("nm", positions)
 %unit("nm", translation)
 %unit("rad", changes)
 %unit("rad", angles)
@@ -942,6 +952,12 @@ static bool toDensities(PyObject* object, const char* name, std::vector<ChainTre
         SWIG_fail;
     $result = SWIG_AppendOutput($result, list);
 }
+
+/* ---- Loops ---- */
+
+%freesPython(ChainTreePlugin::LoopGrowth::grow)
+%returns(ChainTreePlugin::LoopGrowth::grow, GrownLoop(*val))
+%include "openmmchaintree/LoopGrowth.h"
 
 %rename(_addDrawnMove) ChainTreePlugin::TorsionMonteCarloIntegrator::addDrawnMove;
 %rename(_setDrawnMoveParameters) ChainTreePlugin::TorsionMonteCarloIntegrator::setDrawnMoveParameters;

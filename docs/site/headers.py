@@ -11,7 +11,10 @@ PROJECT = Path(__file__).resolve().parents[2]
 REFERENCE = PROJECT / "platforms" / "reference"
 API = PROJECT / "openmmapi" / "include" / "openmmchaintree"
 
-CPP_HEADERS = [API / f"{name}.h" for name in ("StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")]
+CPP_HEADERS = [
+    API / f"{name}.h"
+    for name in ("LoopGrowth", "StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")
+]
 C_HEADERS = [
     REFERENCE / library / "include" / f"{name}.h"
     for library, name in (
@@ -20,6 +23,7 @@ C_HEADERS = [
         ("moves", "ctclosure"),
         ("moves", "ctlocal"),
         ("moves", "ctdensity"),
+        ("moves", "ctgrowth"),
     )
 ]
 

@@ -24,6 +24,7 @@ PAGES = {
     "platforms/reference/energy/include/ctenergy.h": "c.md",
     "platforms/reference/moves/include/ctclosure.h": "c.md",
     "platforms/reference/moves/include/ctdensity.h": "c.md",
+    "platforms/reference/moves/include/ctgrowth.h": "c.md",
     "platforms/reference/moves/include/ctlocal.h": "c.md",
 }
 _LINK = re.compile(r"(?<!!)\[([^][]*)\]\((?!https?:|#|mailto:)([^()#\s]*)(#[^()\s]*)?\)")

@@ -5,6 +5,7 @@
  * Everything that a program needs to use openmm-chaintree.
  */
 
+#include "openmmchaintree/LoopGrowth.h"
 #include "openmmchaintree/StericExclusionForce.h"
 #include "openmmchaintree/TorsionDensity.h"
 #include "openmmchaintree/TorsionMonteCarloIntegrator.h"

@@ -23,11 +23,14 @@ from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
 from .errors import InputError  # noqa: E402
+from .loops import LoopEnsemble, sampleLoop  # noqa: E402
 from .missing import BuiltStructure, buildMissing  # noqa: E402
 from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
 from .openmmchaintree import (  # noqa: E402
     EnergyPlan,
+    GrownLoop,
+    LoopGrowth,
     MinimumDistance,
     MoveStatistics,
     OuterStatistics,
@@ -65,8 +68,11 @@ __all__ = [
     "EnergyPlan",
     "Ensemble",
     "FrameClashes",
+    "GrownLoop",
     "InputError",
     "LeftOutTorsion",
+    "LoopEnsemble",
+    "LoopGrowth",
     "MinimumDistance",
     "MoveStatistics",
     "OuterStatistics",
@@ -94,6 +100,7 @@ __all__ = [
     "repairStructure",
     "rotamerDensities",
     "sampleEnsemble",
+    "sampleLoop",
     "scoreClashes",
     "selectAtoms",
     "setBondLengths",

@@ -42,6 +42,7 @@ _LATE = {
     ("repair", "repairs.causes"),  # for annotations
     ("repair", "repairs.changes"),
     ("repair", "scoring.protonation"),
+    ("loops", "ensembles.looprun"),
 }
 
 # Packages that the core may import: always, and where one module says in one sentence what is missing.

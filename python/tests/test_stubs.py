@@ -16,7 +16,7 @@ _PROJECT = Path(__file__).parents[2]
 _PACKAGE = Path(wrapped.__file__).parent
 _STUB = ast.parse((_PACKAGE / "openmmchaintree.pyi").read_text(encoding="utf-8"))
 _STUBS = {node.name: node for node in _STUB.body if isinstance(node, ast.ClassDef)}
-_CLASSES = ("StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")
+_CLASSES = ("LoopGrowth", "StericExclusionForce", "TorsionDensity", "TorsionMonteCarloIntegrator")
 _NUMBERS = re.compile(r"^:type (\w+): .*(?:float|Quantity).*\n:param \1: ((?:.|\n(?!:))*)", re.MULTILINE)
 _UNIT = re.compile(r"\b(nm|bar|radians|Kelvin|K|kJ/mol(?:/nm\^2)?)\b")
 _TUPLES = (
@@ -26,6 +26,7 @@ _TUPLES = (
     "OuterStatistics",
     "PlannedEnergy",
     "MinimumDistance",
+    "GrownLoop",
 )
 _LISTS = ("EnergyPlan",)
 
@@ -160,9 +161,16 @@ def test_everyNumberHasItsUnit(name):
         text = ast.get_docstring(stub)
         for parameter, description in _NUMBERS.findall(text):
             # Weights, widths of logarithms, shares and factors are numbers without unit.
-            assert parameter in ("weight", "width", "hop", "scale", "scales", "maxChange") or _UNIT.search(
-                description
-            ), f"{method}: {parameter}"
+            assert parameter in (
+                "weight",
+                "width",
+                "hop",
+                "scale",
+                "scales",
+                "maxChange",
+                "logWeight",
+                "logDensity",
+            ) or _UNIT.search(description), f"{method}: {parameter}"
         if ast.unparse(stub.returns) == "Quantity":
             assert _UNIT.search(text), method
 

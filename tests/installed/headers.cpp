@@ -2,6 +2,7 @@
 #include <ctclosure.h>
 #include <ctdensity.h>
 #include <ctenergy.h>
+#include <ctgrowth.h>
 #include <ctlocal.h>
 
 #include <chaintree.h>
@@ -10,6 +11,7 @@ int main()
 {
     ctDestroy(nullptr);
     ctDestroyEnergy(nullptr);
+    ctDestroyGrowth(nullptr);
     const double weight = 1, mean = 0, width = 1;
     ctDensity* density = ctCreateRotamers(1, 1, &weight, &mean, &width, 0);
     if (density == nullptr)

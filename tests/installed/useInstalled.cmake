@@ -25,8 +25,8 @@ file(RENAME "${WORK_DIR}/installed" "${installed}")
 # What is for OpenMM, or for nobody, is not there.
 file(GLOB_RECURSE files RELATIVE "${installed}" "${installed}/*")
 set(expected
-    "include/chaintree\\.h" "include/ctclosure\\.h" "include/ctdensity\\.h" "include/ctenergy\\.h" "include/ctlocal\\.h"
-    "include/ctvelocities\\.h"
+    "include/chaintree\\.h" "include/ctclosure\\.h" "include/ctdensity\\.h" "include/ctenergy\\.h" "include/ctgrowth\\.h"
+    "include/ctlocal\\.h" "include/ctvelocities\\.h"
     "lib[^;]*/(lib)?chaintree\\.(a|lib)" "lib[^;]*/(lib)?ctenergy\\.(a|lib)" "lib[^;]*/(lib)?ctmoves\\.(a|lib)"
     "lib[^;]*/cmake/chaintree/chaintreeConfig(-[a-z]+)?\\.cmake" "lib[^;]*/cmake/chaintree/chaintreeConfigVersion\\.cmake"
     "lib[^;]*/pkgconfig/chaintree\\.pc")

@@ -7,7 +7,7 @@
 #include "doublebits.h"
 
 /* Beyond this, in radians, quarter turns are not told apart exactly. */
-#define CT_MOST_ANGLE 0x1p20
+#define CT_EXACT_ANGLE 0x1p20
 
 typedef struct Angle {
   double sine;
@@ -29,7 +29,7 @@ CT_INLINE Angle smallAngle(double r) {
   return (Angle){withSignOf(r + (r * z) * s, r), near + (((1 - near) - 0.5 * z) + z2 * c)};
 }
 
-/* Of |x| <= CT_MOST_ANGLE: from the nearest quarter turn. Errors are below 1.6 units in the last place, or 1e-20. NaN
+/* Of |x| <= CT_EXACT_ANGLE: from the nearest quarter turn. Errors are below 1.6 units in the last place, or 1e-20. NaN
  * passes. Plain C that compilers turn into vectors. */
 CT_INLINE Angle angleOf(double x) {
   const double shifted = x * 0x1.45f306dc9c883p-1 + CT_WHOLE_DOUBLE;
@@ -44,17 +44,17 @@ CT_INLINE Angle angleOf(double x) {
                  doubleOfBits(cosine ^ swap ^ ((quarters + 1) & 2) << 62)};
 }
 
-/* An angle that is no more than CT_MOST_ANGLE, less whole turns: from -pi to pi, but for roundings. */
+/* An angle that is no more than CT_EXACT_ANGLE, less whole turns: from -pi to pi, but for roundings. */
 static inline double withoutTurns(double x) {
   const double n = (x * 0x1.45f306dc9c883p-3 + CT_WHOLE_DOUBLE) - CT_WHOLE_DOUBLE;
   return (x - n * 0x1.921fb544p+2) - n * 0x1.0b4611a626331p-32;
 }
 
-/* angleOf of any angle: where it is small, the same bits without a detour. Those of angles above CT_MOST_ANGLE are
+/* angleOf of any angle: where it is small, the same bits without a detour. Those of angles above CT_EXACT_ANGLE are
  * left to the C library. */
 static inline Angle angleOfAny(double x) {
   const double size = fabs(x);
-  return size <= 0.78 ? smallAngle(x) : size <= CT_MOST_ANGLE ? angleOf(x) : (Angle){sin(x), cos(x)};
+  return size <= 0.78 ? smallAngle(x) : size <= CT_EXACT_ANGLE ? angleOf(x) : (Angle){sin(x), cos(x)};
 }
 
 #endif /* CT_ANGLE_H_ */

@@ -129,7 +129,7 @@ CT_INLINE Float16 ceil16(Float16 x) {
     return load16(lanes);                            \
   }
 
-/* Of angles up to CT_MOST_ANGLE; beyond, NaN. */
+/* Of angles up to CT_EXACT_ANGLE; beyond, NaN. */
 CT_DEFINE_OF_ONE(sin)
 CT_DEFINE_OF_ONE(cos)
 CT_DEFINE_OF_ONE(tan)

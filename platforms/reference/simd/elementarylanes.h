@@ -81,10 +81,10 @@ CT_INLINE double coshOf(double x) {
 
 /* ---- Circular functions ---- */
 
-/* Beyond CT_MOST_ANGLE, in radians, sines and their kind are NaN. */
+/* Beyond CT_EXACT_ANGLE, in radians, sines and their kind are NaN. */
 CT_INLINE Angle angleOfLane(float x) {
   const double angle = (double)x;
-  return angleOf(chosen(sizeOf(angle) <= CT_MOST_ANGLE, angle, (double)NAN));
+  return angleOf(chosen(sizeOf(angle) <= CT_EXACT_ANGLE, angle, (double)NAN));
 }
 
 /* atan2(y, x) of C. */

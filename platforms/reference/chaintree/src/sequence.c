@@ -187,7 +187,7 @@ double ctAngleTurned(double angle, double turn) {
   const double pi = 0.5 * twoPi;
   double within = turn; /* one turn: for many the digits of pi in double are too few */
   if (fabs(turn) > twoPi) {
-    within = fabs(turn) <= CT_MOST_ANGLE ? withoutTurns(turn) : atan2(sin(turn), cos(turn));
+    within = fabs(turn) <= CT_EXACT_ANGLE ? withoutTurns(turn) : atan2(sin(turn), cos(turn));
   }
   const double sum = angle + within;
   /* Since the sum is below 3 pi, this is remainder(sum, twoPi), and quicker. */

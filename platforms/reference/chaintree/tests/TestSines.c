@@ -30,7 +30,7 @@ static double testAngle(double x) {
   CHECK(opposite.sine == -angle.sine && opposite.cosine == angle.cosine);
   CHECK(signbit(opposite.sine) != signbit(angle.sine));
   CHECK(fabs(angle.sine) <= 1 && fabs(angle.cosine) <= 1);
-  if (fabs(x) <= CT_MOST_ANGLE) {
+  if (fabs(x) <= CT_EXACT_ANGLE) {
     /* Small ones take another way. */
     const Angle byQuarters = angleOf(x);
     CHECK(byQuarters.sine == angle.sine && byQuarters.cosine == angle.cosine);
@@ -43,7 +43,7 @@ static double testAngle(double x) {
 }
 
 static void testRanges(void) {
-  static const double ranges[] = {1e-300, 1e-9, 0.78, 1, 3.2, 7, 1000, CT_MOST_ANGLE, 1e9, 1e300};
+  static const double ranges[] = {1e-300, 1e-9, 0.78, 1, 3.2, 7, 1000, CT_EXACT_ANGLE, 1e9, 1e300};
   for (size_t i = 0; i < sizeof ranges / sizeof *ranges; i++) {
     double worst = 0;
     for (int k = 0; k < ANGLES; k++) {
