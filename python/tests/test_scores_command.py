@@ -116,13 +116,42 @@ def test_aDamagedModelEndsAFile(runHere, villin, shrunken, tmp_path):
     assert [row["clashes"] for row in readCSV(result.stdout)] == ["7", ""]
 
 
+def test_picturesOfOneModelAndOfFrames(runHere, villin, shrunken, tmp_path):
+    kept = ("--definition", "molprobity", "--keep-hydrogens")
+    assert runHere(shrunken, *kept, "--picture", "a.svg").returncode == 0
+    text = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    assert text.count("<use ") > 7 and "clashes per 1,000 atoms" in (tmp_path / "a.svg").read_text(encoding="utf-8")
+    writeDCD(tmp_path / "villin", villin.topology, [villin.positions, 0.95 * villin.positions])
+    result = runHere(shrunken, "villin.dcd", *kept, "--picture", "b.png")
+    assert result.returncode == 0 and (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    "name, lines",
+    [
+        ("a.pml", ["load {file}, scored", "distance clashes, {first} and name CE1, {second} and name HE2"]),
+        ("a.cxc", ['open "{file}" id 1', "pbond #1/A:10@CE1 #1/A:32@HE2 color magenta radius 0.1 name clashes"]),
+    ],
+)
+def test_scriptsForViewers(runHere, shrunken, tmp_path, name, lines):
+    result = runHere(shrunken, "--keep-hydrogens", "--script", name)
+    assert result.returncode == 0 and f"wrote {name}" in result.stdout
+    text = (tmp_path / name).read_text().splitlines()
+    first, second = ('scored and chain "A" and resi 10 and resn PHE', 'scored and chain "A" and resi 32 and resn LYS')
+    for line in lines:
+        assert line.format(file=(tmp_path / shrunken).as_posix(), first=first, second=second) in text
+    assert sum("clashes," in line or "pbond" in line for line in text) >= 7
+
+
 @pytest.mark.parametrize(
     "arguments, reason",
     [
         (("--definition", "molprobty"), "did you mean molprobity?"),
         (("--definition", ""), "is none of own, molprobity"),
         (("--definition", "af3", "--water"), "--water is of the definition own alone"),
-        (("--definition", "af3", "--picture", "a.png"), "--picture is of the definition own alone"),
+        (("--definition", "af3", "--picture", "a.png"), "--picture shows clashes by --definition molprobity or own"),
+        (("--definition", "molprobity", "--picture", "a.txt"), "a.txt: a picture's name ends in .png"),
+        (("--script", "a.py"), "a.py: a script's name ends in .pml or .cxc"),
         (("--definition", "af3", "--fail-above", "3"), "--fail-above needs --definition molprobity"),
         (("--fail-above", "nan"), "fail-above"),
         (("--fail-above", "-1"), "not in the range 0 to 1e+06"),

@@ -55,7 +55,12 @@ def addArguments(clashes):
     )
     clashes.add_argument("--csv", metavar="FILE", help="write a line of CSV for every clash (-: print them)")
     clashes.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
-    clashes.add_argument("--picture", metavar="FILE", help="draw the clashes by frame and residue (.png, .pdf or .svg)")
+    clashes.add_argument(
+        "--picture",
+        metavar="FILE",
+        help="draw the clashes by frame and residue; with --definition those of a single model by pairs of residues "
+        "(.png, .pdf or .svg)",
+    )
     clashes.add_argument(
         "--workers",
         type=positiveUpTo(_PROCESSES),
@@ -87,6 +92,11 @@ def _addScores(clashes):
         type=numberIn(0, 1e6),
         metavar="SCORE",
         help="end with exit status 1 if a clashscore is above this (molprobity)",
+    )
+    scores.add_argument(
+        "--script",
+        metavar="FILE",
+        help="write a script that shows the clashes of the first model in PyMOL (.pml) or ChimeraX (.cxc)",
     )
     scores.add_argument(
         "--models",

@@ -10,13 +10,15 @@ from pathlib import Path
 from ..errors import InputError
 from ..scoring.modelscores import MOLPROBITY, OWN, ScoreSearch
 from ..structures.structurefile import isStructureName
-from .outputs.outputfiles import Writing, asJSONWith, checkOutputs
+from .outputs.outputfiles import Writing, asJSONWith, checkOutputs, checkPicture
+from .pictures import savePicture
 from .reports.noteoutput import asPlain, asText
 from .reports.scorereport import SCHEMA, asCSV, plainScores, printFolder, printScores
+from .reports.viewerscript import ENDINGS, asScript
 from .terminal import BAD_INPUT, BEYOND_LIMIT, ReportConsole, printError, progress
 
 # Options of a search by our own definition alone.
-_OTHERS = ("water", "ions", "periodic", "symmetry", "radii", "picture", "scheduler")
+_OTHERS = ("water", "ions", "periodic", "symmetry", "radii", "scheduler")
 # Files that a process is given at a time.
 _FILES_AT_A_TIME = 4
 
@@ -24,23 +26,27 @@ _FILES_AT_A_TIME = 4
 def isScoring(options):
     """Return whether options ask for scores, and not for the clashes of a structure or trajectory alone."""
     others = set(options.definition or ()) - {OWN}
-    return bool(others) or options.models is not None or options.fail_above is not None or options.keep_hydrogens
+    chosen = (options.models, options.fail_above, options.script)
+    return bool(others) or options.keep_hydrogens or any(value is not None for value in chosen)
 
 
 def runScores(options):
     """Score a file, or the files of a folder; return the exit status."""
     definitions = tuple(dict.fromkeys(options.definition or (MOLPROBITY,)))
     _checkOptions(options, definitions)
-    names = {"csv": options.csv, "json": options.json, "notes": options.notes}
+    drawn = next((definition for definition in (MOLPROBITY, OWN) if definition in definitions), None)
+    names = {kind: getattr(options, kind) for kind in ("csv", "json", "notes", "picture", "script")}
     paths = _modelsOf(options.models) if options.models is not None else []
     inputs = paths or [path for path in (options.structure, options.trajectory) if path is not None]
     outputs = checkOutputs(names, list(map(str, inputs)), options.overwrite)
+    if "picture" in outputs:
+        checkPicture(outputs["picture"])
     console = ReportConsole(outputs.values())
     head = {"schema": SCHEMA, "definitions": list(definitions), "keepHydrogens": options.keep_hydrogens}
     if paths:
         files = _scoreFolder(paths, definitions, options)
         content, items = {**head, "folder": str(options.models)}, files
-        notes = []
+        notes, search, models, word = [], None, [], ""
         printFolder(files, definitions, console, options.rows)
     else:
         search = ScoreSearch(options.structure, options.trajectory, definitions, options.keep_hydrogens)
@@ -50,12 +56,15 @@ def runScores(options):
         notes = search.notes
         files = [{"file": str(search.source), "error": None if error is None else str(error), "models": models}]
         trajectory = None if options.trajectory is None else str(options.trajectory)
+        word = "model" if trajectory is None else "frame"
         content, items = {**head, "trajectory": trajectory, "notes": asPlain(notes)}, files
         printScores(models, content["notes"], console, options.rows, options.verbose)
     writers = {
         "csv": lambda output: output.write(asCSV(files, definitions)),
         "json": lambda output: output.write(asJSONWith(content, "files", items)),
         "notes": lambda output: output.write(asText(notes)),
+        "picture": lambda output: savePicture("scorepicture", output, search, models, drawn, word),
+        "script": lambda output: output.write(asScript(Path(output.name).suffix.lower(), search, models[0], drawn)),
     }
     with Writing() as writing:
         for kind, output in outputs.items():
@@ -82,6 +91,14 @@ def _checkOptions(options, definitions):
         raise InputError(f"{options.structure}: --models has a folder of models, and no other structure")
     if options.workers is not None and options.models is None:
         raise InputError("--workers needs --models, or the definition own alone")
+    for name in ("picture", "script"):
+        if getattr(options, name) is not None:
+            if options.models is not None:
+                raise InputError(f"--{name} shows the models of a file, and not of a folder")
+            if not {MOLPROBITY, OWN} & set(definitions):
+                raise InputError(f"--{name} shows clashes by --definition molprobity or own")
+    if options.script is not None and Path(options.script).suffix.lower() not in ENDINGS:
+        raise InputError(f"{options.script}: a script's name ends in {' or '.join(ENDINGS)}")
     for name in ("fail_above", "keep_hydrogens"):
         if getattr(options, name) not in (None, False) and MOLPROBITY not in definitions:
             raise InputError(f"--{name.replace('_', '-')} needs --definition molprobity")

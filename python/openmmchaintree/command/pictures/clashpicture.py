@@ -31,34 +31,35 @@ def savePicture(output, search, frames):
     score = sum(frame.clashesPer1000Atoms for frame in frames) / len(frames)
     average = " on average" if len(frames) > 1 else ""
     setTitle(figure, source, f": {score:.1f} clashes per 1,000 atoms{average}")
-    residues = _Residues(search)
+    residues = Residues(search.finder.names, search.finder.atoms.tolist())
     upper, lower = figure.subplots(2, 1, sharex=len(frames) > 1)
     if len(frames) == 1:
         _drawResidues(upper, frames[0], residues)
         _drawOverlaps(lower, frames[0])
     else:
         word = "model" if search.trajectory is None else "frame"
-        _drawCourse(upper, frames, f"{word.capitalize()}s")
-        _drawMap(lower, frames, word, residues)
+        drawCourse(upper, frames, f"{word.capitalize()}s")
+        drawMap(lower, frames, word, residues)
     writeFigure(figure, output)
 
 
-class _Residues:
+class Residues:
     """The checked residues, numbered chain by chain; heterogens follow the polymer of their chain.
 
-    labels : list of str; chains : list of (name, first residue, residue after the last)
+    labels : list of str; chains : list of (name, first residue, residue after the last); ofParticle : (n,) int array
     """
 
-    def __init__(self, search):
-        names = {atom: search.finder.names[atom] for atom in search.finder.atoms.tolist()}
+    def __init__(self, allNames, atoms):
+        """Take the AtomName of every atom, and the indices of the checked atoms."""
+        names = {atom: allNames[atom] for atom in atoms}
         chains = {}
         for name in names.values():
             chains.setdefault(name.chain, {}).setdefault(name.describeResidue())
         self.labels = [label for residues in chains.values() for label in residues]
         numbers = {label: number for number, label in enumerate(self.labels)}
-        self._ofParticle = np.full(len(search.finder.names), -1)
+        self.ofParticle = np.full(len(allNames), -1)
         for atom, name in names.items():
-            self._ofParticle[atom] = numbers[name.describeResidue()]
+            self.ofParticle[atom] = numbers[name.describeResidue()]
         self.chains = []
         end = 0
         for chain, residues in chains.items():
@@ -67,7 +68,7 @@ class _Residues:
 
     def countClashes(self, frame):
         """Return the number of clashes of each residue in a frame, as an int array."""
-        first, second = self._ofParticle[frame.pairs].T
+        first, second = self.ofParticle[frame.pairs].T
         residues = np.concatenate([first, second[second != first]])
         return np.bincount(residues, minlength=len(self.labels))
 
@@ -90,7 +91,7 @@ def _drawResidues(axis, frame, residues):
     letters = max([len(residues.labels[residue]) for residue in named], default=0)
     axis.set_ylim(0, max(counts.max(initial=0), 1) / (1 - min(0.6, 0.05 + _LETTER_HEIGHT * letters)))
     axis.yaxis.set_major_locator(MaxNLocator(integer=True))
-    _markChains(axis.xaxis, residues)
+    markChains(axis.xaxis, residues)
 
 
 def _drawOverlaps(axis, frame):
@@ -101,13 +102,15 @@ def _drawOverlaps(axis, frame):
     axis.yaxis.set_major_locator(MaxNLocator(integer=True))
 
 
-def _drawCourse(axis, frames, title):
+def drawCourse(axis, frames, title):
+    """Draw the clashes per 1,000 atoms of FrameOverlaps in their order."""
     scores = [frame.clashesPer1000Atoms for frame in frames]
     axis.plot(range(len(scores)), scores, color=_COLOR, linewidth=1)
     axis.set(title=title, ylabel="clashes per 1,000 atoms", ylim=(0, 1.1 * max(max(scores), 1)))
 
 
-def _drawMap(axis, frames, word, residues):
+def drawMap(axis, frames, word, residues):
+    """Draw the clashes of FrameOverlaps by frame and residue; word : "frame" or "model"."""
     rowCount, columnCount = min(len(residues.labels), _LARGEST_MAP), min(len(frames), _LARGEST_MAP)
     counts = np.zeros((rowCount, columnCount), dtype=int)
     rows = np.arange(len(residues.labels)) * rowCount // len(residues.labels)
@@ -129,10 +132,10 @@ def _drawMap(axis, frames, word, residues):
     ticks = MaxNLocator(integer=True, nbins=6).tick_values(0, most)
     ticks = ticks[(ticks >= 1) & (ticks <= most)]
     axis.figure.colorbar(image, ax=axis, label="clashes", ticks=ticks, format="{x:,.0f}")
-    _markChains(axis.yaxis, residues)
+    markChains(axis.yaxis, residues)
 
 
-def _markChains(axis, residues):
+def markChains(axis, residues):
     """Name the chains along an axis of residues, or some residues of a single chain."""
     count = len(residues.labels)
     letterWidth = _LETTER_WIDTH if axis.axis_name == "x" else 0
