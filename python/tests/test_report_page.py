@@ -1,8 +1,10 @@
 """The page of a run: what it says, and that it needs no network. tests/long_report_page.py shows it in a browser."""
 
 import re
+import sys
 
 import pytest
+from commands import assertRefused
 from openmmchaintree.command.cli import main
 
 
@@ -46,3 +48,10 @@ def test_hardSpheresAndReplicasHavePages(tmp_path, monkeypatch):
     assert "Energies" not in withoutViewer(tmp_path / "a.html")
     ofLadder = withoutViewer(tmp_path / "b.html")
     assert "At 300.0 K" in ofLadder and "first trajectory" in ofLadder
+
+
+@pytest.mark.parametrize("package", ["jinja2", "molstar_cli"])
+def test_aMissingPackageIsNoticedAtTheStart(runCommandHere, tmp_path, monkeypatch, package):
+    monkeypatch.setitem(sys.modules, package, None)
+    result = runCommandHere("sample", "--report", "run.html")
+    assertRefused(result, tmp_path, [], f"--report needs {package}", "openmm-chaintree[report]")

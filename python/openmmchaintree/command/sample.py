@@ -182,6 +182,10 @@ class Prepared(NamedTuple):
 def _run(options):
     saved = None if options.resume is None else SavedRun(options.resume)
     settleTrials(options)
+    if options.report is not None:
+        from .reports.htmlreport import importPackages  # which few runs need
+
+        importPackages()
     energyModel, pH = readEnergyOptions(options)
     replicas = readReplicaOptions(options)
     if replicas.temperatures is not None:

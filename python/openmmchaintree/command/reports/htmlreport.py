@@ -19,6 +19,17 @@ MOST_FRAMES = 30  # to show in three dimensions
 _TEMPLATE = "run.html.jinja"
 
 
+def importPackages():
+    """Return the modules jinja2 and molstar_cli.
+
+    Raises
+    ------
+    InputError
+        if one of them cannot be imported
+    """
+    return importExtra("jinja2", "--report", InputError), importExtra("molstar_cli", "--report", InputError)
+
+
 def asHTML(summary, picture, settings, topology, frames):
     """Return the page, which needs no network.
 
@@ -34,9 +45,9 @@ def asHTML(summary, picture, settings, topology, frames):
     frames : (frames, n, 3) array
         nm, to show in three dimensions
     """
-    jinja2 = importExtra("jinja2", "--report", InputError)
+    jinja2, molstar = importPackages()
     energy = summary.get("energy")
-    viewer = files(importExtra("molstar_cli", "--report", InputError)) / "static" / "molstar"
+    viewer = files(molstar) / "static" / "molstar"
     environment = jinja2.Environment(loader=jinja2.PackageLoader(__package__, "."), autoescape=True)
     return environment.get_template(_TEMPLATE).render(
         summary=summary,
