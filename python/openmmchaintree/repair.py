@@ -25,7 +25,7 @@ class Repair(NamedTuple):
     remaining : list of RemainingClash
     defectsBefore, defects : list of str, broken bonds, twisted peptides and pierced rings
     disulfides : list of str, open disulfides that were closed
-    isClean : bool, whether the clashscore is at most `cleanBelow`, and no bond is broken and no ring pierced
+    isClean : bool, whether the clashscore is at most `cleanBelow` and no ring is pierced
     protonated : Protonated, the result with the hydrogens of the score
     """
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from openmm import app, unit
-from openmmchaintree import InputError, repairStructure, selectAtoms
+from openmmchaintree import InputError, createStericExclusionForce, repairStructure, selectAtoms
 from openmmchaintree.bonds import BondGraph
+from openmmchaintree.contexts import contextOf
 from openmmchaintree.repairs.carrying import carryAlong
 from openmmchaintree.repairs.defects import findDefects
 from openmmchaintree.scoring.clashscore import clashscore
@@ -166,7 +167,7 @@ def test_waterAloneIsRefused():
 
 def defectsAt(positions, topology):
     graph = BondGraph(topology, positions)
-    return findDefects(graph, positions, searchTorsions(graph, topology, ["omega"]).torsions)
+    return findDefects(topology, positions, searchTorsions(graph, topology, ["omega"]).torsions)
 
 
 def test_aSoundModelHasNoDefects():
@@ -174,7 +175,7 @@ def test_aSoundModelHasNoDefects():
     assert defectsAt(villin.positions, villin.topology) == []
 
 
-def test_brokenBondsAreNamed():
+def test_defectsAreNamed():
     villin = readStructure()
     positions = villin.positions.copy()
     lysine = next(residue for residue in villin.topology.residues() if residue.name == "LYS")
@@ -184,33 +185,15 @@ def test_brokenBondsAreNamed():
         positions[atoms[name]] += 0.4 * shift
     (defect,) = defectsAt(positions, villin.topology)
     assert defect.kind == "broken bond" and "CE" in defect.text and "NZ" in defect.text
-
-
-def test_piercedRingsAreNamed():
-    """The end of a lysine, turned and shifted through the ring of a phenylalanine."""
-    villin = readStructure()
-    positions = villin.positions.copy()
-    residues = list(villin.topology.residues())
-    ring = next(residue for residue in residues if residue.name == "PHE")
-    lysine = next(residue for residue in residues if residue.name == "LYS")
-    corners = [atom.index for atom in ring.atoms() if atom.name in ("CG", "CD1", "CD2", "CE1", "CE2", "CZ")]
-    atoms = {atom.name: atom.index for atom in lysine.atoms()}
-    center = positions[corners].mean(axis=0)
-    normal = np.cross(positions[corners[1]] - positions[corners[0]], positions[corners[2]] - positions[corners[0]])
-    normal /= np.linalg.norm(normal)
-    length = np.linalg.norm(positions[atoms["CE"]] - positions[atoms["NZ"]])
-    moved = [atom.index for atom in lysine.atoms()]
-    middle = 0.5 * (positions[atoms["CE"]] + positions[atoms["NZ"]])
-    axis = (positions[atoms["NZ"]] - positions[atoms["CE"]]) / length
-    # Turn the lysine so that its last bond lies along the normal.
-    v, c = np.cross(axis, normal), axis @ normal
-    cross = np.array([[0, -v[2], v[1]], [v[2], 0, -v[0]], [-v[1], v[0], 0]])
-    turn = np.eye(3) + cross + cross @ cross / (1 + c)
-    positions[moved] = center + (positions[moved] - middle) @ turn.T
-    graph = BondGraph(villin.topology)
-    graph.positions = positions
-    kinds = [defect.text for defect in findDefects(graph, positions, []) if defect.kind == "pierced ring"]
-    assert any("LYS" in text and "PHE" in text for text in kinds)
+    force = createStericExclusionForce(villin.topology, villin.positions, torsions="omega")
+    context = contextOf(force)
+    context.setPositions(villin.positions)
+    angles = force.getTorsionAngles(context)
+    angles[10] += np.pi / 2
+    force.setTorsionAngles(context, (angles + np.pi) % (2 * np.pi) - np.pi)
+    twisted = context.getState(positions=True).getPositions(asNumpy=True)._value
+    kinds = [defect.kind for defect in defectsAt(twisted, villin.topology)]
+    assert "twisted peptide" in kinds
 
 
 def test_pointsFollowTheirAtoms():

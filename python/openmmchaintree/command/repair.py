@@ -21,8 +21,7 @@ def addArguments(parser):
         "side chains near clashes turn, then backbones near clashes that remain, and chains of complexes shift. Bond "
         "lengths and angles stay, except disulfides that are far from 0.205 nm. The repaired file differs from the "
         "given one in coordinates only. The report has MolProbity's clashscore before and after, with hydrogens placed "
-        "as by Reduce. The exit status is 3 if the result is not clean: a clashscore above --clean, a broken bond, or "
-        "a pierced ring."
+        "as by Reduce. The exit status is 3 if the result is not clean: a clashscore above --clean, or a pierced ring."
     )
     parser.set_defaults(run=_run)
     parser.add_argument("structure", help="a PDB or mmCIF file, plain or compressed; all its models are repaired")

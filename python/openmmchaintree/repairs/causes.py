@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ..naming import nameAtom
+from .defects import BROKEN, PIERCED, TWISTED
 
 # Two chains that still clash so often pass through one another.
 _MANY = 20
 
-BROKEN, PIERCED, TWISTED = "broken bond", "pierced ring", "twisted peptide"
 THROUGH, HELD, RIGID, NO_ROOM = "chains through one another", "held", "no torsion between them", "no room"
 
 

@@ -24,15 +24,14 @@ class RepairModel:
     disulfides : list of (int, int), pairs of sulfurs that the Topology's bonds lack and that are near
     """
 
-    def __init__(self, topology, positions, anchors):
-        """Add hydrogens; positions, anchors : (n, 3) float64 arrays, nm, of whole molecules.
+    def __init__(self, topology, positions, anchors, protonated):
+        """Take positions and anchors, (n, 3) float64 arrays, nm, of whole molecules, and the positions' Protonated.
 
         Hydrogens of amino acids, nucleotides and hemes are replaced, as in MolProbity. Other residues keep theirs.
         """
         self._given = topology
         self._positions = positions
         self.atoms = list(topology.atoms())
-        protonated = withHydrogens(topology, positions)
         self.disulfides = _nearSulfurs(protonated.topology, protonated.positions)
         self.topology, kept = _withoutThiols(protonated.topology, self.disulfides)
         self.start = protonated.positions[kept]

@@ -4,10 +4,11 @@ import numpy as np
 
 from ..errors import InputError
 from ..residues import isAlphaCarbonOnly, isPolymer, polymerBackbone
+from ..scoring.protonation import withHydrogens
 from ..selection import selectAtoms
-from .causes import BROKEN, PIERCED, explainClashes, sceneIndices
+from .causes import explainClashes, sceneIndices
 from .changes import describeChanges
-from .defects import findDefects
+from .defects import PIERCED, findDefects
 from .model import RepairModel, scoreStructure
 from .moves import RepairMoves
 from .scene import Scene
@@ -24,14 +25,15 @@ def repairModel(topology, positions, choices, seed):
     """
     _checkAtoms(topology)
     before, _ = scoreStructure(topology, positions)
-    first = best = _Pass(topology, positions, positions, choices, seed)
+    complete = withHydrogens(topology, positions, areClashesBonds=False)
+    first = best = _Pass(topology, positions, positions, complete, choices, seed)
     while best.score.pairs.size and best.number < _PASSES and best.canMove:
-        following = _Pass(topology, best.placed, positions, choices, seed, best.number + 1)
+        following = _Pass(topology, best.placed, positions, best.protonated, choices, seed, best)
         if len(following.score.pairs) >= len(best.score.pairs):
             break
         best = following
     scene, defects = best.scene, best.defects
-    isClean = best.score.score <= choices.cleanBelow and not any(d.kind in (BROKEN, PIERCED) for d in defects)
+    isClean = best.score.score <= choices.cleanBelow and all(defect.kind != PIERCED for defect in defects)
     indices = sceneIndices(best.model, best.protonated)
     return {
         "positions": best.placed,
@@ -58,19 +60,22 @@ class _Pass:
     so that atoms make room for them.
     """
 
-    def __init__(self, topology, positions, anchors, choices, seed, number=1):
-        self.number = number
-        self.model = model = RepairModel(topology, positions, anchors)
+    def __init__(self, topology, positions, anchors, protonated, choices, seed, previous=None):
+        self.number = number = 1 if previous is None else previous.number + 1
+        self.weakening = 0 if previous is None else previous.weakening
+        self.model = model = RepairModel(topology, positions, anchors, protonated)
         fixed, allowed = _chosenAtoms(topology, anchors, model, choices)
         self.scene = Scene(model, fixed, seed, choices.maxShift, choices.turnsLigands, holdsRotors=number > 1)
         self.ownBefore = len(self.scene.clashes()[0])
-        self.defectsBefore = findDefects(self.scene.graph, model.start, self.scene.torsions)
+        self.defectsBefore = findDefects(model.topology, model.start, self.scene.torsions)
         self.canMove = len(self.scene.torsions) > 0
         if self.canMove:
-            RepairSteps(self.scene, RepairMoves(self.scene), allowed).run(choices.sideChainsOnly, isFirst=number == 1)
+            steps = RepairSteps(self.scene, RepairMoves(self.scene), allowed, max(0, self.weakening - 1))
+            steps.run(choices.sideChainsOnly, isFirst=number == 1)
+            self.weakening = steps.weakening
         self.placed = model.placeGiven(self.scene.positions)
         self.score, self.protonated = scoreStructure(topology, self.placed)
-        self.defects = findDefects(self.scene.graph, self.scene.positions, self.scene.torsions)
+        self.defects = findDefects(model.topology, self.scene.positions, self.scene.torsions)
 
 
 def _checkAtoms(topology):

@@ -9,18 +9,22 @@ from scipy.spatial import cKDTree
 from .scene import HARD_TOLERANCE, TOLERANCE
 
 _NEAR = 0.4  # nm from a clash
+_SPRINGS, _WEAKEST = 600, 5  # kJ/mol/nm² in the first round, and how often they are halved
 _ROUNDS, _LATER_ROUNDS, _PATIENCE = 9, 3, 2
 
 
 class RepairSteps:
     """Repairs the clashes of a Scene with RepairMoves."""
 
-    def __init__(self, scene, moves, allowed=None):
-        """Choose the residues that may move: a set of indices, or all."""
+    def __init__(self, scene, moves, allowed=None, weakening=0):
+        """Choose the residues that may move: a set of indices, or all.
+
+        weakening : int, how often springs are halved before backbones move; after a run, how often they were
+        """
         self._scene = scene
         self._moves = moves
         self._allowed = set(range(len(scene.residues))) if allowed is None else set(allowed)
-        self.rounds = 0
+        self.weakening = weakening
 
     def run(self, sideChainsOnly=False, isFirst=True):
         """Repair: side chains first, backbones near clashes that remain, and a last step back to the start.
@@ -63,7 +67,7 @@ class RepairSteps:
         residues = self._neighborsOf(self._targets(pairs))
         count = self._moves.clear().addSideChains(residues, turn=20)
         if len(pairs) > 0 and count > 0:
-            self._scene.anneal(3000, 5, 150 * count, springs=60, stages=30)
+            self._scene.anneal(3000, 5, 100 * count, springs=60, stages=30)
 
     def _repairBackbones(self, rounds):
         scene = self._scene
@@ -75,12 +79,12 @@ class RepairSteps:
             targets = self._targets(pairs)
             moves = self._moves.clear()
             count = moves.addSideChains(self._neighborsOf(targets), turn=10)
-            count += moves.addBackbones(self._alongChain(targets, 3 + number), 3, 2, 5)
+            count += moves.addBackbones(self._alongChain(targets, 3 + number // 2), 3, 2, 5)
             count += moves.addMolecules(0.01, 1)
             if count == 0:
                 break
-            scene.anneal(600, 1, 100 * count, springs=600 / 2**number, stages=16)
-            self.rounds += 1
+            scene.anneal(600, 1, 60 * count, springs=_SPRINGS / 2 ** min(self.weakening, _WEAKEST), stages=16)
+            self.weakening += 1
             pairs, overlaps = scene.clashes()
             stale = 0 if len(pairs) < best[0] else stale + 1
             if (len(pairs), overlaps.sum()) < best:
@@ -101,5 +105,5 @@ class RepairSteps:
             count += moves.addBackbones(sorted(bent & self._allowed), 2, 2, 2)
         if count > 0:
             scene.setTolerance(HARD_TOLERANCE, isHard=True)
-            scene.anneal(300, 1, 300 * count, springs=2000, stages=12)
+            scene.anneal(300, 1, 200 * count, springs=2000, stages=12)
             scene.setTolerance(TOLERANCE, isHard=False)

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ..datatables import readTable
-from ..residues import aminoAcid, nucleotide
+from ..residues import aminoAcid, isPolymerName, nucleotide
 from .contactatoms import HYDROGEN, METAL, WATER, atomKinds
 
 # Bond lengths, nm, by kind of group.
@@ -78,16 +78,18 @@ class _Group(NamedTuple):
     names: list[str]
 
 
-def placeHydrogens(topology, positions):
+def placeHydrogens(topology, positions, areClashesBonds=True):
     """Return the PlacedHydrogens of the amino acids, nucleotides and hemes of a Topology without hydrogens.
 
     positions : (n, 3) float64 array, nm
+    areClashesBonds : whether atoms of two residues that are as near as if they were bonded take the places of
+        hydrogens, as in Reduce; if not, only sulfurs, metals and residues that are no polymer's do
 
     Other residues get none, as those that the program's dictionary does not know. Waters get none.
     """
     groups = [group for residue in _connected(topology, positions) for group in _groupsOf(*residue)]
     places = _placesOf(groups, positions)
-    areFree = _areFree(topology, positions, groups, places)
+    areFree = _areFree(topology, positions, groups, places, areClashesBonds)
     names, parents, rotors = [], [], []
     polar: dict[int, int] = {}
     number = 0
@@ -245,11 +247,12 @@ def _unit(vectors):
 # ---- Hydrogens that another bond replaces ----
 
 
-def _areFree(topology, positions, groups, places):
+def _areFree(topology, positions, groups, places, areClashesBonds):
     """Return for each hydrogen of groups whether no bond of its O, S or N takes its place, as a bool array."""
     radii, covalent, flags = atomKinds(topology)
     residues = np.array([atom.residue.index for atom in topology.atoms()])
     isMetal = flags & METAL > 0
+    isOther = isMetal | np.array([not isPolymerName(atom.residue.name) for atom in topology.atoms()], dtype=bool)
     areFree = np.ones(len(places), dtype=bool)
     starts = np.cumsum([0, *(len(group.names) for group in groups)])
     suspects = [index for index, group in enumerate(groups) if group.kind in _REPLACEABLE]
@@ -267,7 +270,11 @@ def _areFree(topology, positions, groups, places):
         if kind not in ROTORS:
             isBonded &= residues[others] != residues[bearer]
         own = slice(starts[index], starts[index + 1])
-        if isBonded.sum() < (2 if kind in ROTORS else 1):
+        least = 2 if kind in ROTORS else 1
+        if not areClashesBonds and kind != "SH":
+            isBonded &= isOther[others]
+            least = 1
+        if isBonded.sum() < least:
             continue
         if kind in ("OH", "SH"):
             areFree[own] = False

@@ -29,17 +29,17 @@ class Protonated(NamedTuple):
     bearers: np.ndarray
 
 
-def withHydrogens(topology, positions):
+def withHydrogens(topology, positions, areClashesBonds=True):
     """Return a structure with the hydrogens of Reduce, as Protonated.
 
-    topology : openmm.app.Topology; positions : (n, 3) float64 array, nm
+    topology : openmm.app.Topology; positions : (n, 3) float64 array, nm; areClashesBonds : as in placeHydrogens
 
     Amino acids, nucleotides and hemes get hydrogens in place of those that they have. Water gets none, and other
     residues keep theirs.
     """
     kept = np.array([atom.index for atom in topology.atoms() if not _isReplaced(atom)], dtype=int)
     bare = topology if len(kept) == topology.getNumAtoms() else _build(topology, kept, [], kept[:0])[0]
-    placed = placeHydrogens(bare, positions[kept])
+    placed = placeHydrogens(bare, positions[kept], areClashesBonds)
     whole, order = _build(topology, kept, placed.names, kept[placed.parents])
     index = np.empty(len(order), dtype=int)
     index[order] = np.arange(len(order))
