@@ -216,7 +216,20 @@ def test_errors(writeVillin, tmp_path):
     ):
         with pytest.raises(InputError, match=message):
             buildMissing(*arguments)
-    text = path.read_text()
-    path.write_text("".join(line + "\n" for line in text.splitlines() if " CA  SER A   2" not in line))
-    with pytest.raises(InputError, match="SER 2 lacks CA"):
+
+
+def test_residuesWithoutABackboneAreBuiltAgain(writeVillin):
+    path = writeVillin([0, 33, 34], hydrogens=False)
+    lines = path.read_text().splitlines(keepends=True)
+    left = (" CA  SER A   2", " C   SER A   2", " N   GLY A  33")
+    path.write_text("".join(line for line in lines if line[12:26] not in left))
+    built = buildMissing(path, [VILLIN], seed=1)
+    assert [[residue.name for residue in part] for part in built.parts] == [["LEU", "SER"], ["GLY", "LEU", "PHE"]]
+    assert [residue.name for residue in built.topology.residues()] == [
+        residue.name for residue in readStructure().topology.residues()
+    ]
+    with pytest.warns(UserWarning, match="residues without N, CA or C, left out and built again"):
+        buildMissing(path, [VILLIN], seed=1)
+    path.write_text("".join(line for line in lines if line[12:16] == " CA "))
+    with pytest.raises(InputError, match="lacks N, CA or C, and is alone beside missing residues"):
         buildMissing(path, [VILLIN])

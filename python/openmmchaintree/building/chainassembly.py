@@ -50,6 +50,8 @@ class ChainAssembly:
             self._chain = self._topology.addChain(chain.id)
             number, previous = 0, None  # of the residue before
             for residue in chain.residues():
+                if self._removed.issuperset(residue.atoms()):
+                    continue
                 own = _numberOf(residue)
                 if residue in self._before:
                     built, isLinked = self._before[residue]

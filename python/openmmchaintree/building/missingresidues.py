@@ -10,7 +10,7 @@ from ..graphs import connectedParts, neighborLists
 from ..naming import describeResidue
 from ..notes import Note, found
 from ..residues import isNucleotide, isPolymer
-from ..structures.sequencegaps import findMissingResidues
+from ..structures.sequencegaps import SequenceGap, addressOf, findMissingResidues, lacksBackbone
 from ..structures.structure import Structure
 from .chainassembly import ChainAssembly
 from .chainbuilder import amideHydrogen, axesOf, backboneBefore, backboneBehind, buildBackward, buildForward
@@ -85,7 +85,7 @@ def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
         raise InputError("the residues that are missing are known only from a structure file with its sequence")
     gaps, notes = findMissingResidues(structure.file, structure.model, sequences)
     work = _Work(structure, draws, hydrogens)
-    gaps = [gap for gap in gaps if work.canBuild(gap)]
+    gaps = [work.withStubs(gap) for gap in gaps if work.canBuild(gap)]
     ends = [gap for gap in gaps if gap.before is None or gap.after is None]
     inner = [gap for gap in gaps if gap not in ends]
     for gap in ends:
@@ -116,12 +116,13 @@ class _Work:
         self._positions = structure.positions.copy()
         self._residues = {}
         for residue in filter(isPolymer, topology.residues()):
-            self._residues.setdefault((residue.chain.id, f"{residue.id}{residue.insertionCode.strip()}"), residue)
+            self._residues.setdefault(addressOf(residue), residue)
         self._assembly = ChainAssembly(structure)
         self._moved = np.zeros(len(self._atoms), dtype=bool)
         self._hydrogenated = []  # residues whose N needs a hydrogen, with the last residue built before it
         self.hasBuilt = False
-        self.open, self._strange, self._tails, self._linkers, self._taken = [], [], [], [], []
+        self.open, self._strange, self._stubs = [], [], []
+        self._tails, self._linkers, self._taken = [], [], []
 
     def describe(self, gap):
         """Return a gap in words."""
@@ -140,6 +141,26 @@ class _Work:
             self._strange.append(self.describe(gap))
             return False
         return True
+
+    def withStubs(self, gap):
+        """Return a gap with the residues beside it that lack N, CA or C, which are left out."""
+        before, after, names = gap
+        while before is not None and lacksBackbone(self._residues[before]):
+            before, names = self._leaveOut(before, -1), [self._residues[before].name, *names]
+        while after is not None and lacksBackbone(self._residues[after]):
+            after, names = self._leaveOut(after, 1), [*names, self._residues[after].name]
+        return SequenceGap(before, after, names)
+
+    def _leaveOut(self, end, step):
+        """Leave out the residue at an end of a gap, and return the end of the gap then."""
+        residue = self._residues[end]
+        chain = list(filter(isPolymer, residue.chain.residues()))
+        place = chain.index(residue) + step
+        if not 0 <= place < len(chain):
+            raise InputError(f"{describeResidue(residue)} lacks N, CA or C, and is alone beside missing residues")
+        self._assembly.remove(residue.atoms())
+        self._stubs.append(describeResidue(residue))
+        return addressOf(chain[place])
 
     def _hasHydrogens(self, residue):
         if self._hydrogens is not None:
@@ -243,6 +264,7 @@ class _Work:
             [
                 Note("tails built", self._tails),
                 Note("linkers built, with domains that move", self._linkers),
+                Note("residues without N, CA or C, left out and built again", self._stubs),
                 Note("atoms of free ends left out beside built residues", self._taken),
                 Note("gaps that stay open, since both sides stay in place", self.open),
                 Note("missing nucleotides that are not built", self._strange),

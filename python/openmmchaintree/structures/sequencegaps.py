@@ -7,6 +7,7 @@ import gemmi
 
 from ..naming import joinNames
 from ..notes import Note, found
+from ..residues import PEPTIDE_BACKBONE, aminoAcid
 
 # A chain is taken for the sequence if this share of its residues have the names of the sequence.
 _LEAST_MATCH = 0.9
@@ -111,3 +112,14 @@ def _gapsOf(chain, numbers, fit):
             residue += count
         place += count
     return gaps
+
+
+def addressOf(residue):
+    """Return the chain of a residue of a Topology, and its number with insertion code, as in a SequenceGap."""
+    return residue.chain.id, f"{residue.id}{residue.insertionCode.strip()}"
+
+
+def lacksBackbone(residue):
+    """Whether a residue of a Topology is an amino acid without N, CA or C."""
+    names = {atom.name for atom in residue.atoms()}
+    return aminoAcid(residue.name) is not None and not names.issuperset(PEPTIDE_BACKBONE)

@@ -15,12 +15,12 @@ from ...extras import importExtra
 from ...naming import describeResidue
 from ...notes import Note, found
 from ...residues import aminoAcid, isPolymer
-from ...structures.sequencegaps import findSequenceGaps
+from ...structures.sequencegaps import findSequenceGaps, lacksBackbone
 from ...structures.structure import withoutAtoms
 from ...templates import atomAliases, standardName, templateBonds
 from ..hydrogens import boundEnds, repeatable
 from .phosphates import withoutPhosphates
-from .segments import Missing, findSegments, gapsWithStubs, lacksBackbone
+from .segments import Missing, findSegments, gapsWithStubs
 
 # PDBFixer is made from a file; its Topology and positions are replaced at once.
 _ANY_FILE = "ATOM      1  CA  GLY A   1       0.000   0.000   0.000  1.00  0.00           C\nEND\n"

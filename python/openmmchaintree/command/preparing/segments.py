@@ -9,8 +9,8 @@ from openmm.app import Residue
 from ...bonds import polymerLinks
 from ...naming import describeResidue
 from ...notes import Note, found
-from ...residues import PEPTIDE_BACKBONE, aminoAcid, isPolymer
-from ...structures.sequencegaps import SequenceGap
+from ...residues import aminoAcid, isPolymer
+from ...structures.sequencegaps import SequenceGap, addressOf
 from ...templates import standardName
 from .phosphates import nucleotidesToJoin
 from .replacing import standardOf
@@ -72,8 +72,8 @@ def findSegments(structure, gaps):
             elif residue in joined:
                 segments[-1].joined.add(residue)
             elif isPolymer(residue) and following.get(previous) is not residue:
-                gap = gapAfter.get(_address(previous))
-                if gap is None or gap.after != _address(residue):
+                gap = gapAfter.get(addressOf(previous))
+                if gap is None or gap.after != addressOf(residue):
                     names, reason = [], "the file has no sequence of it"
                 else:
                     names, reason = _namesToBuild(gap.names, previous, residue, positions)
@@ -115,10 +115,6 @@ def _atomNamed(residue, name):
     return next(atom for atom in residue.atoms() if atom.name == name)
 
 
-def _address(residue):
-    return residue.chain.id, f"{residue.id}{residue.insertionCode}"
-
-
 def gapsWithStubs(topology, gaps, stubs):
     """Return SequenceGaps to which residues of a Topology, which are to be left out, are added with their names."""
     byEnds = {(gap.before, gap.after): gap.names for gap in gaps}
@@ -128,15 +124,9 @@ def gapsWithStubs(topology, gaps, stubs):
         for previous, residue in pairwise(filter(isPolymer, chain.residues())):
             if previous not in stubs:
                 start, names = previous, []
-            names += byEnds.get((_address(previous), _address(residue)), [])
+            names += byEnds.get((addressOf(previous), addressOf(residue)), [])
             if residue in stubs:
                 names.append(standardName(residue.name))
             elif start is not None and names:
-                found.append(SequenceGap(_address(start), _address(residue), names))
+                found.append(SequenceGap(addressOf(start), addressOf(residue), names))
     return found
-
-
-def lacksBackbone(residue):
-    """Whether a residue is an amino acid without N, CA or C."""
-    names = {atom.name for atom in residue.atoms()}
-    return aminoAcid(residue.name) is not None and not names.issuperset(PEPTIDE_BACKBONE)
