@@ -24,6 +24,8 @@ _FLOOR = 0.01  # the share of p that is uniform, so that no energy is infinite
 _DIVISION = 3  # of bins, for draws: p changes by little within a third
 _NODES = 60  # of the map of a density of rotamers
 _FEWEST_BINS = 6
+# φ, ψ, and the standard deviation of both, in degrees.
+_BELLS = {"helix": (-63, -42, 8), "extended": (-120, 130, 18), "polyproline": (-70, 148, 12)}
 _BACKBONE, _SIDE_CHAIN = ("phi", "psi"), ("chi1", "chi2", "chi3", "chi4")
 
 CoilTables = Mapping[str, Array] | str | Path
@@ -51,6 +53,7 @@ def createCoilForce(
     selection: AtomSelection | None = None,
     tables: CoilTables | None = None,
     sideChains: bool = True,
+    kinds: Mapping[int, str] | None = None,
 ) -> openmm.CMAPTorsionForce:
     """Create a Force whose energy is −kT ln p, with the density p of torsions in a random coil.
 
@@ -80,6 +83,9 @@ def createCoilForce(
         lower end of a bin, in degrees), and counts by psi, between spaces.
     sideChains : bool
         whether side chains get an energy
+    kinds : mapping of int to str, optional
+        the names of the tables of some residues, by their index in the Topology, in place of those of their amino
+        acids: given ones, "helix", "extended" or "polyproline", which are bells about the φ and ψ of these structures
 
     Returns
     -------
@@ -101,7 +107,7 @@ def createCoilForce(
     force = openmm.CMAPTorsionForce()
     force.setName("CoilForce")
     maps = {}
-    for found in _findSets(topology, positions, selection, tables, sideChains):
+    for found in _findSets(topology, positions, selection, tables, sideChains, kinds or {}):
         key = found[1:]
         if key not in maps:
             nodes = -energy * _mapOfSet(found, tables)
@@ -117,6 +123,7 @@ def coilDensities(
     force: StericExclusionForce,
     selection: AtomSelection | None = None,
     tables: CoilTables | None = None,
+    kinds: Mapping[int, str] | None = None,
 ) -> DrawnTorsions:
     """Find φ and ψ of the residues of a Topology, with the density that `createCoilForce` makes an energy of.
 
@@ -125,7 +132,7 @@ def coilDensities(
 
     Parameters
     ----------
-    topology, selection, tables
+    topology, selection, tables, kinds
         as for `createCoilForce`
     force : StericExclusionForce
         as `createStericExclusionForce` makes it for this Topology
@@ -146,7 +153,7 @@ def coilDensities(
         particles = tuple(force.getTorsionParticles(index))
         indices[particles] = indices[particles[::-1]] = index
     drawn, densities = DrawnTorsions([], []), {}
-    for found in _findSets(topology, None, selection, tables, False):
+    for found in _findSets(topology, None, selection, tables, False, kinds or {}):
         turning = [(indices[one], axis) for one, axis in zip(found.torsions, found.axes, strict=True) if one in indices]
         if not turning:
             continue
@@ -161,17 +168,19 @@ def coilDensities(
     return drawn
 
 
-def _findSets(topology, positions, selection, tables, sideChains):
+def _findSets(topology, positions, selection, tables, sideChains, own):
     """Generate the _Sets of all residues with a density."""
     residues, atoms = {}, list(topology.atoms())
-    kinds = (*_BACKBONE, *_SIDE_CHAIN) if sideChains else _BACKBONE
-    search = findTorsions(topology, positions, kinds, cutDisulfides=True, cutMetals=True, selection=selection)
+    searched = (*_BACKBONE, *_SIDE_CHAIN) if sideChains else _BACKBONE
+    search = findTorsions(topology, positions, searched, cutDisulfides=True, cutMetals=True, selection=selection)
     for torsion in search.torsions:
         _, torsions = residues.setdefault(torsion.residue.index, (torsion.residue, {}))
         torsions[torsion.kind] = torsion.particles
     for residue, torsions in residues.values():
         following = atoms[torsions["psi"][3]].residue if "psi" in torsions else None
-        name = tableOf(residue.name, following and following.name, tables)
+        name = own.get(residue.index) or tableOf(residue.name, following and following.name, tables)
+        if name is not None and name not in tables:
+            raise InputError(f"there is no table {name!r} of phi and psi")
         mirrored = isMirrored(residue.name)
         axes = tuple(axis for axis, kind in enumerate(_BACKBONE) if kind in torsions)
         if name is not None and axes:
@@ -234,9 +243,20 @@ def _rotamerMap(name, mirrored, chis):
 def readCoilTables(tables):
     """Return the tables by name, as float64 arrays: those of the package, and given ones in their place."""
     given = {} if tables is None else _readFile(tables) if isinstance(tables, str | Path) else tables
-    found = {name: np.asarray(table, dtype=np.float64) for name, table in (loopCounts() | dict(given)).items()}
+    found = {name: np.asarray(table, dtype=np.float64) for name, table in {**loopCounts(), **_bells(), **given}.items()}
     for name in given:
         _check(name, found[name])
+    return found
+
+
+@functools.cache
+def _bells():
+    """Return tables of secondary structures: bells about their φ and ψ."""
+    angles = np.radians(np.arange(-180 + 2.5, 180, 5))
+    found = {}
+    for name, (*middle, width) in _BELLS.items():
+        phi, psi = (np.exp((np.cos(angles - np.radians(place)) - 1) / np.radians(width) ** 2) for place in middle)
+        found[name] = np.outer(phi, psi)
     return found
 
 

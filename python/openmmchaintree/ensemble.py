@@ -62,6 +62,7 @@ def sampleEnsemble(
     moveDomains: bool = False,
     tables: CoilTables | None = None,
     avoid: Iterable[str] = (),
+    bias: Iterable[str] = (),
 ) -> Ensemble:
     """Sample independent conformers of a protein: with a bead for each residue, or all atoms as a random coil.
 
@@ -100,6 +101,9 @@ def sampleEnsemble(
     avoid : iterable of str
         regions that atoms which move must not enter, in nm: "z < 0" is a half space, "z > -2 and z < 2" a slab; for the
         model "coil"
+    bias : iterable of str
+        other densities of φ and ψ by residue numbers: "70-80:helix", "A:5-9:extended", "A:90-99:polyproline", or the
+        file of a table as in "12-20:own.csv"; for the model "coil"
 
     Returns
     -------
@@ -130,9 +134,9 @@ def sampleEnsemble(
             raise InputError("domains need a structure with positions, not a sequence")
         else:
             scene = sceneOfBuilt(buildMissing(None, [source], hydrogens, False, seed, tables))
-        return sampleCoil(scene, kelvin, seed, int(conformers), int(maxTrials), tables, avoid)
-    if missing or sequences is not None or tables is not None or avoid:
-        raise InputError('missing residues, tables and regions to avoid need the model "coil"')
+        return sampleCoil(scene, kelvin, seed, int(conformers), int(maxTrials), tables, avoid, bias)
+    if missing or sequences is not None or tables is not None or avoid or bias:
+        raise InputError('missing residues, tables, biases and regions to avoid need the model "coil"')
     from .ensembles.beadrun import sampleBeads  # which estimates errors, by packages of an extra
 
     topology, system, positions = createCalvadosSystem(source, temperature, pH, ionicStrength, model, domains)

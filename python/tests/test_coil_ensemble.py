@@ -137,6 +137,31 @@ def test_regionsAreAvoided(villin):
         sampleEnsemble(villin, "coil", seed=4, missing=True, sequences=[SEQUENCE], avoid=["z < 1000"])
 
 
+def test_biasesMakeSecondaryStructure(tmp_path):
+    ensemble = sampleEnsemble("GSTEARKLADVFGSTEARKL", "coil", conformers=30, seed=1, bias=["6-16:helix"])
+    frames = mdtraj.Trajectory(ensemble.positions, mdtraj.Topology.from_openmm(ensemble.topology))
+    isHelix = mdtraj.compute_dssp(frames) == "H"
+    assert isHelix[:, 6:14].mean() > 0.9 and isHelix[:, [1, 18]].mean() < 0.1
+    counts = np.zeros((12, 12), dtype=int)
+    counts[2, 10] = 1  # φ from −120 to −90 degrees, ψ from 120 to 150
+    rows = [f"ALA,{30 * row - 180},{' '.join(map(str, line))}" for row, line in enumerate(counts)]
+    path = tmp_path / "own.csv"
+    path.write_text("residue,phi,counts\n" + "\n".join(rows), encoding="utf-8")
+    ensemble = sampleEnsemble("GAAAAG", "coil", conformers=30, seed=1, bias=[f"2-5:{path}"])
+    frames = mdtraj.Trajectory(ensemble.positions, mdtraj.Topology.from_openmm(ensemble.topology))
+    phi = np.degrees(mdtraj.compute_phi(frames)[1][:, :4])
+    assert ((phi > -120) & (phi < -90)).mean() > 0.9
+    for bias, message in (
+        ("2-5", "'2-5' is no bias"),
+        ("2-5:coil", "'2-5:coil' is no bias"),
+        ("20-25:helix", "20-25: there are no residues"),
+        ("2-5:none.csv", "none.csv: No such file"),
+        (["2-4:helix", "4-5:extended"], "residue 4 has two biases"),
+    ):
+        with pytest.raises(InputError, match=message):
+            sampleEnsemble("GAAAAG", "coil", bias=bias)
+
+
 def test_textsOfRegions():
     slab = readRegion("z>=-2 and z < 2.5e0")
     assert slab.conditions == [("z", ">", -2), ("z", "<", 2.5)] and str(slab) == "z > -2 and z < 2.5"
@@ -215,6 +240,7 @@ def test_errorsOfTheCommand(villin, fasta, tmp_path, capsys):
         ((*coil, "--missing", "--sequence", "other.fasta"), "chains that differ from all given sequences"),
         ((*coil, "--missing", "--sequence", fasta, "--coil-tables", "bad.csv"), "ALA must have as many columns"),
         ((*coil, "--missing", "--sequence", fasta, "--avoid", "z"), "'z' is no region"),
+        ((*coil, "--missing", "--sequence", fasta, "--bias", "3-4:beta"), "'3-4:beta' is no bias"),
     ):
         status, _, errors = run(capsys, *arguments)
         assert status == 2 and message in errors, (arguments, errors)

@@ -8,7 +8,7 @@ from .arguments import refuseWithout
 
 _MODEL = "coil"
 _OF_MISSING = ("sequence", "move_domains")
-_OPTIONS = ("missing", *_OF_MISSING, "hydrogens", "coil_tables", "avoid")
+_OPTIONS = ("missing", *_OF_MISSING, "hydrogens", "coil_tables", "avoid", "bias")
 
 
 def addAllAtoms(parser):
@@ -40,6 +40,13 @@ def addAllAtoms(parser):
         action="append",
         help="where nothing may move to, in nm: 'z < 0', or 'z > -2 and z < 2' for a membrane; may be repeated",
     )
+    group.add_argument(
+        "--bias",
+        metavar="RANGE:DENSITY",
+        action="append",
+        help="other densities of phi and psi by residue numbers: 70-80:helix, A:5-9:extended, A:90-99:polyproline, or "
+        "12-20:FILE.csv; may be repeated",
+    )
 
 
 def atomSettings(options):
@@ -67,4 +74,5 @@ def atomSettings(options):
         "moveDomains": options.move_domains,
         "tables": options.coil_tables and os.path.abspath(options.coil_tables),
         "avoid": options.avoid or [],
+        "bias": options.bias or [],
     }

@@ -18,6 +18,7 @@ from ..openmmchaintree import TorsionMonteCarloIntegrator
 from ..sterics import createStericExclusionForce
 from ..torsions import findTorsions
 from .avoidedregions import readRegion
+from .biases import readBiases
 from .coilshape import CoilShape
 from .independentframes import IndependentRun
 from .startclashes import removeClashes
@@ -29,7 +30,7 @@ _KINDS = ("phi", "psi", "chi")
 _DRAWN, _TURNED, _SIDE_CHAINS = 0.5, 0.2, 0.3  # weights of moves
 
 
-def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid):
+def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid, bias):
     """Sample flexible residues, and what moves with them, until there are enough conformers; return the Ensemble.
 
     Parameters
@@ -42,6 +43,8 @@ def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid):
         as for `createCoilForce`
     avoid : iterable of str
         as `readRegion` reads them
+    bias : iterable of str
+        as `readBiases` reads them
     """
     topology, positions = scene.topology, scene.positions
     isMoving = scene.isFlexible | scene.isRigid
@@ -54,16 +57,17 @@ def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NoteWarning)
         system.addForce(createStericExclusionForce(topology, torsions=torsions, system=system))
+    kinds, tables = readBiases(_texts(bias), topology, tables)
     residues = {torsion.residue for torsion in torsions}
     turning = [atom.index for residue in residues for atom in residue.atoms()]
-    system.addForce(createCoilForce(topology, temperature, selection=turning, tables=tables))
-    regions = [readRegion(text) for text in ([avoid] if isinstance(avoid, str) else avoid)]
+    system.addForce(createCoilForce(topology, temperature, selection=turning, tables=tables, kinds=kinds))
+    regions = [readRegion(text) for text in _texts(avoid)]
     for region in regions:
         system.addForce(region.createForce(np.flatnonzero(isMoving)))
     force = system.getForce(0)
 
     def addMoves(integrator):
-        _addMoves(integrator, topology, system, tables)
+        _addMoves(integrator, topology, system, partial(coilDensities, tables=tables, kinds=kinds))
 
     def isOutside(places):
         return not any((region.holds(places) & isMoving).any() for region in regions)
@@ -94,6 +98,10 @@ def sampleCoil(scene, temperature, seed, conformers, maxTrials, tables, avoid):
     )
 
 
+def _texts(given):
+    return [given] if isinstance(given, str) else given
+
+
 def _torsionsOf(scene, isMoving):
     """Return the Torsions that turn: about bonds of flexible atoms, or with only flexible atoms at one end.
 
@@ -112,13 +120,13 @@ def _torsionsOf(scene, isMoving):
     return [torsion for torsion in found if canTurn(*torsion.particles[1:3])]
 
 
-def _addMoves(integrator, topology, system, tables):
+def _addMoves(integrator, topology, system, findBackbones):
     """Add moves of loose chains: φ and ψ drawn from the density that is sampled, small turns, and rotamers."""
     scene = MoveScene(topology, system)
     adder = MoveAdder(integrator, set())
     backbones, sideChains = scene.torsions["peptide backbones"], scene.torsions["side chains"]
     adder.begin("φ/ψ", 1.0)
-    drawn = adder.findDrawn(partial(coilDensities, tables=tables), scene)
+    drawn = adder.findDrawn(findBackbones, scene)
     adder.drawOrTurn("backbones, by residue", "by residue", _DRAWN, drawn, backbones)
     adder.turn("backbones where there is little room", _TURNED, _BACKBONE_STEP, backbones)
     adder.begin("χ", 1.0)

@@ -24,7 +24,7 @@ def readDomains(text, topology):
     for part in text.split(","):
         domain = []
         for segment in part.split("+"):
-            found = _residuesOf(segment.strip(), residues)
+            found = residuesOf(segment.strip(), residues)
             for index in found:
                 if index in seen:
                     raise InputError(f"residue {residues[index].id} is in {seen[index]} and in {segment.strip()}")
@@ -34,8 +34,8 @@ def readDomains(text, topology):
     return domains
 
 
-def _residuesOf(segment, residues):
-    """Return the indices of the residues of a segment such as A:5-60."""
+def residuesOf(segment, residues):
+    """Return the indices in a list of the residues of a segment such as A:5-60."""
     match = _SEGMENT.fullmatch(segment)
     if match is None:
         raise InputError(f"{segment!r} is no range of residues such as 1-72 or A:5-60")
