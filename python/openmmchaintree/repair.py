@@ -24,7 +24,8 @@ class Repair(NamedTuple):
     changes : Changes, shifts and rotamers
     remaining : list of RemainingClash
     defectsBefore, defects : list of str, broken bonds, twisted peptides and pierced rings
-    disulfides : list of str, open disulfides that were closed
+    mendedBonds : list of str, broken bonds that were mended before torsions turned
+    disulfides : list of str, disulfides whose length was mended
     isClean : bool, whether the clashscore is at most `cleanBelow` and no ring is pierced
     protonated : Protonated, the result with the hydrogens of the score
     """
@@ -40,6 +41,7 @@ class Repair(NamedTuple):
     remaining: "list[RemainingClash]"
     defectsBefore: list[str]
     defects: list[str]
+    mendedBonds: list[str]
     disulfides: list[str]
     isClean: bool
     protonated: "Protonated"
@@ -54,6 +56,7 @@ class RepairChoices(NamedTuple):
     maxShift: float | None = None
     sideChainsOnly: bool = False
     turnsLigands: bool = False
+    mendsBonds: bool = False
     cleanBelow: float = 2.0
 
 
@@ -66,6 +69,7 @@ def repairStructure(
     maxShift: Number | None = None,
     sideChainsOnly: bool = False,
     turnsLigands: bool = False,
+    mendsBonds: bool = False,
     cleanBelow: float = 2.0,
     seed: int = 1,
 ) -> Repair:
@@ -98,6 +102,8 @@ def repairStructure(
         let only side chains turn
     turnsLigands : bool
         let molecules that are bound to no protein or nucleic acid move and turn, too. By default they stay.
+    mendsBonds : bool
+        first give residues with broken bonds ideal bond lengths and angles, by OpenMM's minimizer; others keep theirs
     cleanBelow : float
         the largest clashscore of a structure that counts as clean
     seed : int
@@ -128,5 +134,5 @@ def repairStructure(
             raise InputError("maxShift must be above 0")
     if not 0 < seed < 2**31:
         raise InputError("the seed must be from 1 to 2147483647")
-    choices = RepairChoices(fixed, move, interface, maxShift, sideChainsOnly, turnsLigands, cleanBelow)
+    choices = RepairChoices(fixed, move, interface, maxShift, sideChainsOnly, turnsLigands, mendsBonds, cleanBelow)
     return Repair(**repairModel(topology, positions, choices, int(seed)))

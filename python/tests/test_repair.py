@@ -208,3 +208,46 @@ def test_pointsFollowTheirAtoms():
     assert np.allclose(followed, points @ turn.T + 5, atol=1e-12)
     alone = carryAlong([[]], start[:1], end[:1], np.array([0]), points[:1])
     assert np.allclose(alone, points[:1] + end[0] - start[0])
+
+
+# ---- Broken bonds, and chains through one another ----
+
+
+def test_brokenBondsAreMended(packed):
+    """Ends of a lysine and a peptide bond that are far too long: all bonds of other residues keep their lengths."""
+    topology, positions = packed
+    positions = positions.copy()
+    residues = list(topology.residues())
+    lysine = next(residue for residue in residues if residue.name == "LYS")
+    atoms = {atom.name: atom.index for atom in lysine.atoms()}
+    shift = positions[atoms["NZ"]] - positions[atoms["CE"]]
+    for name in ("NZ", "HZ1", "HZ2", "HZ3"):
+        positions[atoms[name]] += 0.4 * shift
+    second = {atom.name: atom.index for atom in residues[20].atoms()}
+    before = {atom.name: atom.index for atom in residues[19].atoms()}
+    apart = positions[second["N"]] - positions[before["C"]]
+    later = [atom.index for atom in topology.atoms() if atom.residue.index >= 20]
+    positions[later] += 0.4 * apart
+    result = repairStructure(topology, positions, mendsBonds=True)
+    assert len(result.mendedBonds) == 2
+    assert not [text for text in result.defects if text.startswith("broken bond")]
+    assert result.clashscoreAfter <= 2
+    for first, last, length in ((atoms["CE"], atoms["NZ"], 0.149), (before["C"], second["N"], 0.133)):
+        assert np.linalg.norm(result.positions[first] - result.positions[last]) == pytest.approx(length, abs=0.003)
+    mended = {lysine.index, 19, 20}
+    graph = BondGraph(topology, positions)
+    pairs = [pair for pair in graph.bonds if mended.isdisjoint(graph.residueOf[list(pair)].tolist())]
+    first, last = np.array(pairs).T
+    lengths = [np.linalg.norm(place[first] - place[last], axis=1) for place in (positions, result.positions)]
+    assert np.abs(lengths[1] - lengths[0]).max() < 1e-9
+    kept = repairStructure(topology, positions)
+    assert [text for text in kept.defects if text.startswith("broken bond")] and kept.mendedBonds == []
+
+
+def test_chainsThroughOneAnotherPart():
+    villin = readStructure()
+    modeller = app.Modeller(villin.topology, villin.positions * unit.nanometer)
+    modeller.add(villin.topology, (villin.positions + [1.4, 0, 0]) * unit.nanometer)
+    result = repairStructure(modeller.topology, modeller.positions)
+    assert result.clashscoreBefore > 80
+    assert result.clashscoreAfter <= 2

@@ -50,6 +50,11 @@ def addArguments(parser):
         help="let molecules move and turn that are bound to no protein or nucleic acid (default: they stay)",
     )
     parser.add_argument(
+        "--mend-bonds",
+        action="store_true",
+        help="first give residues with broken bonds ideal bond lengths and angles, by OpenMM's minimizer",
+    )
+    parser.add_argument(
         "--clean",
         type=numberIn(0, 1000),
         default=2.0,
@@ -80,6 +85,7 @@ def _run(options):
         "maxShift": options.max_shift,
         "sideChainsOnly": options.side_chains_only,
         "turnsLigands": options.turn_ligands,
+        "mendsBonds": options.mend_bonds,
         "cleanBelow": options.clean,
         "seed": options.seed,
     }

@@ -113,11 +113,11 @@ class RepairMoves:
             if "window" not in str(error):
                 raise
 
-    def addMolecules(self, shift, turn):
+    def addMolecules(self, shift, turn, weight=0.02):
         """Add a move of whole molecules, without the largest; shift in nm, turn in degrees. Return their number."""
         molecules = self._scene.rootsOfMovable()[0 if self._scene.isFixed.any() else 1 :]
         if molecules:
-            self._scene.integrator.addRigidBodyMove(0.02, shift, turn * _DEGREE, molecules)
+            self._scene.integrator.addRigidBodyMove(weight, shift, turn * _DEGREE, molecules)
         return len(molecules)
 
 

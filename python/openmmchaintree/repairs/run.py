@@ -9,6 +9,7 @@ from ..selection import selectAtoms
 from .causes import explainClashes, sceneIndices
 from .changes import describeChanges
 from .defects import PIERCED, findDefects
+from .mending import mendBonds
 from .model import RepairModel, scoreStructure
 from .moves import RepairMoves
 from .scene import Scene
@@ -25,10 +26,12 @@ def repairModel(topology, positions, choices, seed):
     """
     _checkAtoms(topology)
     before, _ = scoreStructure(topology, positions)
-    complete = withHydrogens(topology, positions, areClashesBonds=False)
-    first = best = _Pass(topology, positions, positions, complete, choices, seed)
+    defectsBefore = findDefects(topology, positions, [])
+    anchors, mended = mendBonds(topology, positions) if choices.mendsBonds else (positions, [])
+    complete = withHydrogens(topology, anchors, areClashesBonds=False)
+    first = best = _Pass(topology, anchors, anchors, complete, choices, seed)
     while best.score.pairs.size and best.number < _PASSES and best.canMove:
-        following = _Pass(topology, best.placed, positions, best.protonated, choices, seed, best)
+        following = _Pass(topology, best.placed, anchors, best.protonated, choices, seed, best)
         if len(following.score.pairs) >= len(best.score.pairs):
             break
         best = following
@@ -43,10 +46,11 @@ def repairModel(topology, positions, choices, seed):
         "clashesAfter": len(best.score.pairs),
         "ownBefore": first.ownBefore,
         "ownAfter": len(scene.clashes()[0]),
-        "changes": describeChanges(best.model.topology, best.model.anchors, scene.positions, scene.torsions),
+        "changes": describeChanges(topology, positions, best.placed, _ofGiven(scene.torsions, best.model)),
         "remaining": explainClashes(best.score, best.protonated.topology, scene, indices, defects),
-        "defectsBefore": [f"{defect.kind}: {defect.text}" for defect in first.defectsBefore],
+        "defectsBefore": [f"{defect.kind}: {defect.text}" for defect in defectsBefore],
         "defects": [f"{defect.kind}: {defect.text}" for defect in defects],
+        "mendedBonds": mended,
         "disulfides": _describeClosed(first, best.placed),
         "isClean": isClean,
         "protonated": best.protonated,
@@ -67,7 +71,6 @@ class _Pass:
         fixed, allowed = _chosenAtoms(topology, anchors, model, choices)
         self.scene = Scene(model, fixed, seed, choices.maxShift, choices.turnsLigands, holdsRotors=number > 1)
         self.ownBefore = len(self.scene.clashes()[0])
-        self.defectsBefore = findDefects(model.topology, model.start, self.scene.torsions)
         self.canMove = len(self.scene.torsions) > 0
         if self.canMove:
             steps = RepairSteps(self.scene, RepairMoves(self.scene), allowed, max(0, self.weakening - 1))
@@ -76,6 +79,13 @@ class _Pass:
         self.placed = model.placeGiven(self.scene.positions)
         self.score, self.protonated = scoreStructure(topology, self.placed)
         self.defects = findDefects(model.topology, self.scene.positions, self.scene.torsions)
+
+
+def _ofGiven(torsions, model):
+    """Return the side-chain torsions of a RepairModel with the particles of the given Topology."""
+    origins = model.origins.tolist()
+    chosen = [torsion for torsion in torsions if torsion.kind.startswith("chi")]
+    return [torsion._replace(particles=tuple(origins[atom] for atom in torsion.particles)) for torsion in chosen]
 
 
 def _checkAtoms(topology):

@@ -10,6 +10,8 @@ from .scene import HARD_TOLERANCE, TOLERANCE
 
 _NEAR = 0.4  # nm from a clash
 _SPRINGS, _WEAKEST = 600, 5  # kJ/mol/nm² in the first round, and how often they are halved
+_MANY = 60  # clashes of two molecules that pass through one another
+_TRIALS_OF_MOLECULES = 20000
 _ROUNDS, _LATER_ROUNDS, _PATIENCE = 9, 3, 2
 
 
@@ -34,6 +36,8 @@ class RepairSteps:
         pairs, _ = self._scene.clashes()
         if len(pairs) == 0 and not isFirst:
             return
+        if isFirst and not sideChainsOnly:
+            self._partMolecules(pairs)
         if isFirst or sideChainsOnly:
             self._repairSideChains()
         if not sideChainsOnly:
@@ -61,6 +65,19 @@ class RepairSteps:
                 if scene.residues[other].chain is chain:
                     found.add(other)
         return sorted(found & self._allowed)
+
+    def _partMolecules(self, pairs):
+        """Move molecules that pass through one another apart, as rigid bodies that side chains follow."""
+        between = self._scene.molecules[pairs]
+        between = np.sort(between[between[:, 0] != between[:, 1]], axis=1)
+        _, counts = np.unique(between, axis=0, return_counts=True)
+        if counts.max(initial=0) < _MANY:
+            return
+        moves = self._moves.clear()
+        count = moves.addMolecules(0.05, 3, weight=1.0)
+        if count > 0:
+            moves.addSideChains(self._neighborsOf(self._targets(pairs)), turn=20)
+            self._scene.anneal(3000, 30, _TRIALS_OF_MOLECULES * count, springs=2, stages=30)
 
     def _repairSideChains(self):
         pairs, _ = self._scene.clashes()

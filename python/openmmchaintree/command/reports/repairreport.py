@@ -38,6 +38,7 @@ def _summarizeModel(repair):
         "remaining": [clash._asdict() for clash in repair.remaining],
         "defectsBefore": repair.defectsBefore,
         "defects": repair.defects,
+        "mendedBonds": repair.mendedBonds,
         "disulfides": repair.disulfides,
     }
 
@@ -77,6 +78,7 @@ def _printModel(name, model, rowCount, console):
     console.print(table)
     if model["rotamers"]:
         console.print(f"rotamers changed: {model['rotamersChanged']} of {model['rotamers']}")
+    _printList("broken bonds that were mended", model["mendedBonds"], rowCount, console)
     _printList("disulfides whose length was mended", model["disulfides"], rowCount, console)
     _printList("defects that torsions cannot mend", model["defects"], rowCount, console)
     rest = [f"{c['atoms']}, overlap {c['overlap']:.3f} nm: {c['cause']}" for c in model["remaining"]]
