@@ -5,17 +5,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from .clashes import FrameClashes
+    from .clashscores import ClashScores
     from .notes import Note
 
 
 class InputError(ValueError):
     """An error of the user's input, in one sentence that names the culprit.
 
-    frames : sequence of FrameClashes
+    frames : sequence of FrameClashes or ClashScores
         the results of frames before a damaged one
     """
 
-    frames: "Sequence[FrameClashes]" = ()
+    frames: "Sequence[FrameClashes] | Sequence[ClashScores]" = ()
 
 
 class UnknownRadiusError(ValueError):
