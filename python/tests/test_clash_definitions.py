@@ -247,6 +247,34 @@ def test_scoreClashesOfAFile(tmp_path):
         scoreClashes(tmp_path / "a.pdb", definitions="molprobty")
 
 
+def test_occupanciesThatAreAllZeroDoNotCount(tmp_path):
+    villin = readStructure()
+    with open(tmp_path / "a.pdb", "w") as file:
+        app.PDBFile.writeFile(villin.topology, 10 * villin.positions, file)
+    text = (tmp_path / "a.pdb").read_text()
+    (tmp_path / "b.pdb").write_text(text.replace("  1.00  0.00 ", "  0.00  0.00 "))
+    with pytest.warns(UserWarning, match="all occupancies are 0, and do not count"):
+        (zero,) = scoreClashes(tmp_path / "b.pdb", keepHydrogens=True)
+    assert zero.molprobity.atomCount == 582 and len(zero.molprobity.clashes) == 1
+
+
+def test_waterAloneHasNoScore(tmp_path):
+    topology, positions = build(("A", 1, "HOH", {"O": (0, 0, 0)}))
+    with open(tmp_path / "a.pdb", "w") as file:
+        app.PDBFile.writeFile(topology, 10 * positions, file)
+    with pytest.raises(InputError, match="a.pdb: there is nothing but water"):
+        scoreClashes(tmp_path / "a.pdb")
+
+
+def test_atomsAtOnePlaceAreABrokenBond():
+    villin = readStructure()
+    index = {(atom.residue.id, atom.name): atom.index for atom in villin.topology.atoms()}
+    positions = villin.positions.copy()
+    positions[index["20", "C"]] = positions[index["20", "CA"]]
+    bonds = [bond[:2] for bond in covalentFaults(villin.topology, positions).brokenBonds]
+    assert tuple(sorted((index["20", "C"], index["20", "CA"]))) in bonds
+
+
 def test_hydrogensThatAreNotThereCannotBeKept(tmp_path):
     glycine = {"N": (0, 0, 0), "CA": (0.146, 0, 0), "C": (0.2, 0.143, 0)}
     topology, positions = build(("A", 1, "GLY", glycine))

@@ -147,8 +147,8 @@ def test_scriptsForViewers(runHere, shrunken, tmp_path, name, lines):
     "arguments, reason",
     [
         (("--definition", "molprobty"), "did you mean molprobity?"),
-        (("--definition", ""), "is none of own, molprobity"),
-        (("--definition", "af3", "--water"), "--water is of the definition own alone"),
+        (("--definition", ""), "is not one of own, molprobity"),
+        (("--definition", "af3", "--water"), "--water works only with the definition own"),
         (("--definition", "af3", "--picture", "a.png"), "--picture shows clashes by --definition molprobity or own"),
         (("--definition", "molprobity", "--picture", "a.txt"), "a.txt: a picture's name ends in .png"),
         (("--script", "a.py"), "a.py: a script's name ends in .pml or .cxc"),
@@ -156,8 +156,8 @@ def test_scriptsForViewers(runHere, shrunken, tmp_path, name, lines):
         (("--fail-above", "nan"), "fail-above"),
         (("--fail-above", "-1"), "not in the range 0 to 1e+06"),
         (("--definition", "af3", "--workers", "2"), "--workers needs --models"),
-        (("--models", "nowhere"), "nowhere: is no folder"),
-        (("--models", "."), ".: holds no structure file"),
+        (("--models", "nowhere"), "nowhere: is not a folder"),
+        (("--models", "."), ".: has no structure files"),
     ],
 )
 def test_wrongOptions(runHere, tmp_path, arguments, reason):
@@ -165,7 +165,7 @@ def test_wrongOptions(runHere, tmp_path, arguments, reason):
 
 
 def test_aFolderAndAStructure(runHere, shrunken, tmp_path):
-    reason = "--models has a folder of models, and no other structure"
+    reason = "--models takes a folder of models, and no other structure"
     assertRefused(runHere(shrunken, "--models", "."), tmp_path, [shrunken], reason)
 
 

@@ -86,15 +86,15 @@ def _checkOptions(options, definitions):
     """Refuse options that do not go together."""
     for name in _OTHERS:
         if getattr(options, name) not in (None, False):
-            raise InputError(f"--{name} is of the definition own alone")
+            raise InputError(f"--{name} works only with the definition own")
     if options.models is not None and options.structure is not None:
-        raise InputError(f"{options.structure}: --models has a folder of models, and no other structure")
+        raise InputError(f"{options.structure}: --models takes a folder of models, and no other structure")
     if options.workers is not None and options.models is None:
-        raise InputError("--workers needs --models, or the definition own alone")
+        raise InputError("--workers needs --models, or only the definition own")
     for name in ("picture", "script"):
         if getattr(options, name) is not None:
             if options.models is not None:
-                raise InputError(f"--{name} shows the models of a file, and not of a folder")
+                raise InputError(f"--{name} shows the models of one file, not of a folder")
             if not {MOLPROBITY, OWN} & set(definitions):
                 raise InputError(f"--{name} shows clashes by --definition molprobity or own")
     if options.script is not None and Path(options.script).suffix.lower() not in ENDINGS:
@@ -108,10 +108,10 @@ def _modelsOf(folder):
     """Return the structure files of a folder, sorted by name."""
     folder = Path(folder)
     if not folder.is_dir():
-        raise InputError(f"{folder}: is no folder")
+        raise InputError(f"{folder}: is not a folder")
     paths = sorted(path for path in folder.iterdir() if isStructureName(path) and not path.is_dir())
     if not paths:
-        raise InputError(f"{folder}: holds no structure file")
+        raise InputError(f"{folder}: has no structure files")
     return paths
 
 

@@ -24,7 +24,8 @@ _LONG = 0.02
 # ... and farther than that sum less this.
 _SHORT = 0.06
 
-_LEAST_OCCUPANCY = 0.02
+# Atoms of lower occupancies do not count.
+LEAST_OCCUPANCY = 0.02
 
 # Residues that count as amino acids beside the twenty and MSE.
 _OTHER_AMINO_ACIDS = {"ACE", "FOR", "NH2", "NME", "AIB", "ABU", "PCA"}
@@ -86,7 +87,7 @@ def contactAtoms(topology, positions, occupancies=None):
     _chargeHistidines(topology, flags, parents)
     _chargeEnds(topology, flags)
     if occupancies is not None:
-        flags[np.abs(occupancies) < _LEAST_OCCUPANCY] |= ABSENT
+        flags[np.abs(occupancies) < LEAST_OCCUPANCY] |= ABSENT
     return ContactAtoms(radii, covalent, flags, residues, parents, _asLists(len(numbers), pairs))
 
 

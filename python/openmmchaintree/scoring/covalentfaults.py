@@ -7,7 +7,6 @@ from scipy.spatial import cKDTree
 
 from ..bondsearch import BondSearch
 from ..covalent import longestBonds, shortestBonds
-from ..errors import InputError
 from ..graphs import neighborLists
 
 # The most atoms of a ring that is looked at.
@@ -49,12 +48,9 @@ def covalentFaults(topology, positions):
     Raises
     ------
     InputError
-        if two bonded atoms are at one place, or farther apart than 0.8 nm
+        if lengths of bonds show that coordinates are in another unit
     """
     search = BondSearch(topology, positions)
-    for pairs, problem in ((search.coinciding, "at one place"), (search.overlong, "far apart")):
-        if pairs:
-            raise InputError(f"bonded atoms are {problem} ({search.describePair(pairs[0])})")
     bonds = np.array(search.bonds, dtype=int).reshape(-1, 2)
     bonds = bonds[(search.numbers[bonds] > 1).all(axis=1)]
     metals = {tuple(sorted(pair)) for pair in search.metalBonds}

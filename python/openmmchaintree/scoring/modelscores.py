@@ -7,11 +7,13 @@ import numpy as np
 from ..clashes import Clash, FrameClashes
 from ..errors import InputError
 from ..naming import nameAtom
+from ..notes import Note
 from ..residues import isPolymer
 from ..structures.clashsearch import ClashSearch
 from ..structures.structure import readModels, villinPath
 from .chainoverlap import ChainOverlap, chainOverlaps
 from .clashscore import clashscore
+from .contactatoms import LEAST_OCCUPANCY
 from .covalentfaults import BrokenBond, PiercedRing, covalentFaults
 from .poses import PoseCheck, checkPoses
 from .protonation import Protonated, withHydrogens
@@ -88,6 +90,9 @@ class ScoreSearch:
         self.names = [nameAtom(atom) for atom in self.topology.atoms()]
         self.notes = self._models.notes if self._search is None else self._search.notes
         self._occupancies = np.array([atom.occ for atom in self._models.atoms])
+        if (np.abs(self._occupancies) < LEAST_OCCUPANCY).all():
+            self._occupancies[:] = 1
+            self.notes.append(Note("all occupancies are 0, and do not count"))
         self._areHetero = _heteroAtoms(self._models) if POSEBUSTERS in definitions else None
         if keepHydrogens and MOLPROBITY in definitions and not _hasHydrogens(self.topology):
             raise InputError(f"{structure}: there are no hydrogens to keep")
@@ -130,6 +135,8 @@ class ScoreSearch:
         else:
             made = withHydrogens(self.topology, positions)
         found = clashscore(made.topology, made.positions, self._occupancies[made.bearers])
+        if found.atomCount == 0:
+            raise InputError(f"{self.source}: there is nothing but water")
         names = [nameAtom(atom) for atom in made.topology.atoms()]
         clashes = []
         for (first, second), overlap in zip(found.pairs.tolist(), found.overlaps.tolist(), strict=True):

@@ -126,7 +126,7 @@ def printReport(summary, search, frames, files, rows, console, isVerbose):
 def _printFrame(summary, search, frame, rows, console):
     names = search.finder.names
     clashes = sorted(_clashesOf(frame), key=lambda clash: clash[1], reverse=True)
-    console.print(f"{_countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
+    console.print(f"{countClashes(len(clashes))}, {frame.clashesPer1000Atoms:.1f} per 1,000 atoms")
 
     def describeClash(clash):
         (first, second), overlap, operator = clash
@@ -145,7 +145,7 @@ def _printFrames(summary, search, frames, rows, console):
     count, names = len(frames), search.finder.names
     word = "model" if summary["trajectory"] is None else "frame"
     console.print(
-        f"{count:,} {word}s: {_countClashes(summary['clashesPerFrame'], '.1f')} a {word} "
+        f"{count:,} {word}s: {countClashes(summary['clashesPerFrame'], '.1f')} a {word} "
         f"({len(frames[-1].pairs):,} to {len(frames[0].pairs):,}), "
         f"{summary['clashesPer1000Atoms']:.1f} per 1,000 atoms"
     )
@@ -180,7 +180,8 @@ def _nameAtoms(names, first, second, operator):
     return str(names[first]), f"{names[second]} ({operator})" if operator else str(names[second])
 
 
-def _countClashes(count, form=","):
+def countClashes(count, form=","):
+    """Return a number of clashes in words."""
     return f"{count:{form}} {'clash' if count == 1 else 'clashes'}"
 
 

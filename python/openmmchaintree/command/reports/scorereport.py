@@ -8,6 +8,7 @@ from pathlib import Path
 from ...scoring.modelscores import AF3, MOLPROBITY, OWN, POSEBUSTERS
 from ...scoring.parts import countByParts
 from ..terminal import printable
+from .clashreport import countClashes
 from .noteoutput import printNotes
 from .tables import alignedLines, makeTable
 
@@ -158,11 +159,11 @@ def printScores(models, notes, console, rows, isVerbose):
 def _printModel(model, console, rows):
     if OWN in model:
         own = model[OWN]
-        console.print(f"own definition: {own['clashes']:,} clashes, {own['per1000Atoms']:.1f} per 1,000 atoms")
+        console.print(f"own definition: {countClashes(own['clashes'])}, {own['per1000Atoms']:.1f} per 1,000 atoms")
     if MOLPROBITY in model:
         score = model[MOLPROBITY]
         console.print(
-            f"MolProbity: clashscore {score['clashscore']:.2f}, {score['clashes']:,} clashes of {score['atoms']:,} "
+            f"MolProbity: clashscore {score['clashscore']:.2f}, {countClashes(score['clashes'])} of {score['atoms']:,} "
             "atoms with hydrogens"
         )
         _printParts(score, console, rows)
@@ -207,5 +208,5 @@ def _printPoses(poses, console, rows):
         return
     console.print(f"PoseBusters: ligands {'pass' if poses['passes'] else 'fail'}")
     for check in [check for check in poses["checks"] if not check["passes"]][:rows]:
-        clashes, volume = f"{check['clashCount']:,} clashes", f"{100 * check['volumeOverlap']:.1f}%"
+        clashes, volume = countClashes(check["clashCount"]), f"{100 * check['volumeOverlap']:.1f}%"
         console.print(f"{check['ligand']} beside {check['other']}: {clashes}, {volume} of its volume overlaps")
