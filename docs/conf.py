@@ -70,7 +70,7 @@ cpp_maximum_signature_line_length = c_maximum_signature_line_length = 80
 
 # Names documented elsewhere.
 nitpick_ignore_regex = [
-    ("py:.*", r"(openmm|numpy|np|npt|collections|os|typing|unit|app)(\..*)?|ArrayLike|Quantity|Residue"),
+    ("py:.*", r"(openmm|numpy|np|npt|collections|os|typing|unit|app)(\..*)?|ArrayLike|CoilTables|Quantity|Residue"),
     ("cpp:identifier", r"(std|OpenMM)(::.*)?"),
     ("cpp:identifier", "NoHydrogenBond"),  # a default, which Sphinx loses when it builds a page again
     ("(c|cpp):identifier", r"u?int(8|64)_t|size_t|bool"),
