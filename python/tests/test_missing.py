@@ -190,6 +190,35 @@ def test_domainsMoveWithTheirLinkers(writeVillin):
     assert np.abs(dihedrals(built, "omega"))[7:13] == pytest.approx(180, abs=1e-6)
 
 
+@pytest.mark.parametrize("hydrogens", [True, False])
+def test_gapsAreClosed(writeVillin, hydrogens):
+    path = writeVillin(range(12, 17), hydrogens)
+    built = buildMissing(path, [VILLIN], closeGaps=True, seed=2)
+    assert [[residue.name for residue in part] for part in built.parts] == [["THR", "ARG", "SER", "ALA", "PHE"]]
+    checkNothingMoved(path, built, mayLack=())
+    places = {(a.residue.index, a.name): built.positions[a.index] for a in built.topology.atoms()}
+    c, n, ca = places[16, "C"], places[17, "N"], places[17, "CA"]
+    assert np.linalg.norm(c - n) == pytest.approx(0.1329, abs=1e-9)
+    for corner, before, after, degrees in ((n, c, ca, 121.7), (c, places[16, "CA"], n, 116.2)):
+        arms = before - corner, after - corner
+        cosine = arms[0] @ arms[1] / np.linalg.norm(arms[0]) / np.linalg.norm(arms[1])
+        assert np.degrees(np.arccos(cosine)) == pytest.approx(degrees, abs=1e-6)
+    assert np.abs(dihedrals(built, "omega")[11:17]) == pytest.approx(180, abs=1e-6)
+    if hydrogens:
+        assert energiesOf(built)["HarmonicBondForce"] < energiesOf(readStructure())["HarmonicBondForce"] + 5 * 15
+    with pytest.raises(InputError, match="exclude each other"):
+        buildMissing(path, [VILLIN], closeGaps=True, moveDomains=True)
+
+
+def test_gapsThatCannotBeClosed(writeVillin):
+    path = writeVillin(range(12, 14), False)
+    with pytest.raises(InputError, match=r"gaps that stay open, since both sides stay in place \(1\): 2 residues"):
+        buildMissing(path, [VILLIN], closeGaps=True)
+    path = writeVillin(range(8, 20), False)
+    with pytest.raises(InputError, match="gaps that stay open"):
+        buildMissing(path, [VILLIN[:8] + "GS" + VILLIN[20:]], closeGaps=True)
+
+
 def test_realStructures():
     for name in ("1shg.pdb", "hard/1A8O.cif.gz"):
         path = realStructurePath(name)

@@ -198,6 +198,11 @@ def _turn(places, start, end, angle):
     return end + along + np.cos(angle) * (arms - along) + np.sin(angle) * np.cross(axis, arms)
 
 
+def phiOfRing(name):
+    """Return φ of an amino acid whose nitrogen is in a ring, such as proline; None for others."""
+    return _ringPhi(residueTemplate(name), None)
+
+
 def _ringPhi(template, phi):
     """Return φ of a residue: the given one, but in the ring of proline that of the ring."""
     ring = _ringAtomOfN(template)

@@ -15,7 +15,9 @@ from ..structures.structure import Structure
 from .chainassembly import ChainAssembly
 from .chainbuilder import amideHydrogen, axesOf, backboneBefore, backboneBehind, buildBackward, buildForward
 from .chainends import ChainEnd
+from .closing import FEWEST, closeGap
 
+_REACH = 0.38  # nm that one residue spans
 _HYDROGENS = 0.5  # to a heavy atom, above which a model has its hydrogens
 
 
@@ -56,7 +58,7 @@ def buildFromSequence(names, draws, hydrogens):
     return Built(structure, [list(topology.residues())], every, ~every)
 
 
-def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
+def buildOnto(structure, sequences, draws, hydrogens, movesDomains, closesGaps=False):
     """Build missing residues onto a Structure: at the ends of chains, and between domains that then move.
 
     Parameters
@@ -70,6 +72,8 @@ def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
         whether the new residues have hydrogens; default: where the chain has them
     movesDomains : bool
         whether gaps become linkers, with which all domains of a chain move but its largest
+    closesGaps : bool
+        whether residues are built in gaps whose sides stay
 
     Returns
     -------
@@ -93,8 +97,9 @@ def buildOnto(structure, sequences, draws, hydrogens, movesDomains):
     if movesDomains:
         for chain in dict.fromkeys(gap.before[0] for gap in inner):
             work.buildLinkers([gap for gap in inner if gap.before[0] == chain])
-    else:
-        work.open += [work.describe(gap) for gap in inner]
+    for gap in [] if movesDomains else inner:
+        if not (closesGaps and work.closeGap(gap)):
+            work.open.append(work.describe(gap))
     notes += work.notes()
     if not work.hasBuilt:
         remedy = ": gaps become linkers with ensemble --move-domains (moveDomains=True)" if inner else ""
@@ -122,7 +127,7 @@ class _Work:
         self._hydrogenated = []  # residues whose N needs a hydrogen, with the last residue built before it
         self.hasBuilt = False
         self.open, self._strange, self._stubs = [], [], []
-        self._tails, self._linkers, self._taken = [], [], []
+        self._tails, self._linkers, self._closed, self._taken = [], [], [], []
 
     def describe(self, gap):
         """Return a gap in words."""
@@ -189,6 +194,27 @@ class _Work:
             built, _ = buildForward(gap.names, self._draws, self._hasHydrogens(residue), end.jointForNext())
             self._assembly.insertBehind(residue, built)
         self._tails.append(self.describe(gap))
+
+    def closeGap(self, gap):
+        """Build the residues of a gap whose sides stay, if there are enough; return whether it was closed."""
+        before, after = (self._residues[end] for end in (gap.before, gap.after))
+        left, right = self._endOf(before), self._endOf(after)
+        jointBefore, jointAfter = left.jointForNext(), right.jointForPrevious()
+        distance = np.linalg.norm(jointBefore.c - jointAfter.n)
+        if len(gap.names) < FEWEST or distance > _REACH * (len(gap.names) + 1):
+            return False
+        hydrogens = self._hasHydrogens(before)
+        beside = {atom.index for residue in (before, after) for atom in residue.atoms()}
+        others = [atom.index for atom in self._atoms if atom.index not in beside]
+        near = self._positions[others]
+        near = near[np.linalg.norm(near - jointBefore.c, axis=1) < _REACH * (len(gap.names) + 2)]
+        built = closeGap(gap.names, self._draws, hydrogens, jointBefore, jointAfter, after.name, near)
+        self._remove(before, left.surplusBeforeNext())
+        self._join(right, built, hydrogens)
+        self._assembly.insertBefore(after, built, True)
+        self._closed.append(self.describe(gap))
+        self.hasBuilt = True
+        return True
 
     def buildLinkers(self, gaps):
         """Build the linkers of one chain outwards from its largest domain; the other domains move with them."""
@@ -264,6 +290,7 @@ class _Work:
             [
                 Note("tails built", self._tails),
                 Note("linkers built, with domains that move", self._linkers),
+                Note("gaps closed", self._closed),
                 Note("residues without N, CA or C, left out and built again", self._stubs),
                 Note("atoms of free ends left out beside built residues", self._taken),
                 Note("gaps that stay open, since both sides stay in place", self.open),
