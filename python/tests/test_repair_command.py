@@ -1,5 +1,6 @@
 """The command repair: files, exit statuses, errors."""
 
+import gzip
 import json
 
 import gemmi
@@ -92,3 +93,46 @@ def test_errors(runCommandHere, model, tmp_path, arguments, message):
     assert message in result.stderr and len(result.stderr.splitlines()) == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["empty.pdb"]
     assert (tmp_path / "empty.pdb").read_text() == ""
+
+
+def test_aFolder(runCommandHere, model, tmp_path):
+    """Files are repaired as alone; a second run keeps them; a damaged file fails alone."""
+    (tmp_path / "models").mkdir()
+    (tmp_path / "models" / "a.pdb").write_text(model.read_text())
+    (tmp_path / "models" / "b.pdb.gz").write_bytes(gzip.compress(model.read_bytes()))
+    (tmp_path / "models" / "notes.txt").write_text("no model")
+    result = runCommandHere("repair", "models", "-o", "out", "--workers", "2", "--json", "all.json")
+    assert result.returncode == 0, result.stderr
+    assert "repaired 2 of 2 files to out: 2 clean" in result.stdout
+    alone = runCommandHere("repair", model, "-o", "alone.pdb")
+    assert alone.returncode == 0
+    expected = (tmp_path / "alone.pdb").read_bytes()
+    assert (tmp_path / "out" / "a.pdb").read_bytes() == expected
+    assert gzip.decompress((tmp_path / "out" / "b.pdb.gz").read_bytes()) == expected
+    table = (tmp_path / "out" / "summary.csv").read_text()
+    assert [line.split(",")[0] for line in table.splitlines()] == ["structure", "a.pdb", "b.pdb.gz"]
+    assert len(json.loads((tmp_path / "all.json").read_text())["structures"]) == 2
+
+    (tmp_path / "models" / "c.pdb").write_text("nothing")
+    refused = runCommandHere("repair", "models", "-o", "out")
+    assert refused.returncode == 2 and "--resume keeps repaired files" in refused.stderr
+    other = runCommandHere("repair", "models", "-o", "out", "--resume", "--seed", "2")
+    assert other.returncode == 2 and "other options" in other.stderr
+    times = (tmp_path / "out" / "a.pdb").stat().st_mtime_ns
+    resumed = runCommandHere("repair", "models", "-o", "out", "--resume")
+    assert resumed.returncode == 2
+    assert "1 of 3 files failed" in resumed.stderr and "c.pdb: there are no atoms" in resumed.stderr
+    assert (tmp_path / "out" / "a.pdb").stat().st_mtime_ns == times
+    assert (tmp_path / "out" / "summary.csv").read_text() == table
+
+
+def test_wrongFolders(runCommandHere, tmp_path):
+    (tmp_path / "empty").mkdir()
+    for arguments, message in (
+        (["empty"], "there is no PDB or mmCIF file"),
+        (["empty", "-o", "empty"], "another folder than that of the models"),
+        (["empty", "--csv", "a.csv"], "--csv needs one model"),
+        (["x.pdb", "--resume"], "--resume needs a folder of models"),
+    ):
+        result = runCommandHere("repair", *arguments)
+        assert result.returncode == 2 and message in result.stderr

@@ -1,4 +1,4 @@
-"""The processes or Dask threads that do the jobs of the command ensemble."""
+"""The processes or Dask threads that do the jobs of the commands ensemble and repair."""
 
 import signal
 from concurrent.futures import ProcessPoolExecutor
@@ -14,21 +14,24 @@ _JOBS_AHEAD = 2  # for each worker
 
 
 @contextmanager
-def workers(options, count):
-    """Start workers; yield a function that submits a job to them and returns its future, and their number."""
+def workers(options, count, run=runJob):
+    """Start workers; yield a function that submits a job to them and returns its future, and their number.
+
+    run : function of a job, which a module defines
+    """
     if options.scheduler is not None:
         from ..replicas.cluster import Cluster  # Dask takes long to import
 
         cluster = Cluster(options.scheduler)
         try:
-            yield lambda job: cluster.submit(runJob, job), cluster.countThreads()
+            yield lambda job: cluster.submit(run, job), cluster.countThreads()
         finally:
             cluster.close()
         return
     number = max(1, min(options.workers or usableCores(), count))
     pool = ProcessPoolExecutor(number, get_context("spawn"), _ignoreInterrupts)
     try:
-        yield lambda job: pool.submit(runJob, job), number
+        yield lambda job: pool.submit(run, job), number
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
         for process in list((pool._processes or {}).values()):
@@ -41,7 +44,7 @@ def _ignoreInterrupts():
 
 
 def results(jobs, submit, count, arrived):
-    """Yield each job with its EnsembleResult, or the InputError of its protein, as they come.
+    """Yield each job with its result, or the InputError of its source, as they come.
 
     arrived : SimpleQueue of (job, future), which ends the work if it holds None
     """
@@ -60,7 +63,7 @@ def results(jobs, submit, count, arrived):
             raise
         except BrokenProcessPool as error:
             raise ClusterError(
-                "a process was ended from outside; --resume samples the proteins that are missing"
+                "a process was ended from outside; --resume does the jobs that are missing"
             ) from error
         except InputError as error:
             yield job, error

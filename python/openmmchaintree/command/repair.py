@@ -4,14 +4,13 @@ from pathlib import Path
 
 from ..errors import InputError
 from ..structures.modelfile import readModelFile
-from .arguments import numberIn, positive, seed
+from .arguments import addScheduler, numberIn, positive, refuseWithout, seed
 from .outputs.outputfiles import Writing, addOverwrite, asJSON, checkOutputs
+from .repairfolder import NOT_CLEAN, repairFolder
 from .repairjob import HYDROGENS, KEEP, RepairJob, runRepair
 from .reports.noteoutput import addNotes, asText
 from .reports.repairreport import asCSV, printReport, summarize
 from .terminal import BAD_INPUT, ReportConsole, printError
-
-_NOT_CLEAN = 3  # exit status
 
 
 def addArguments(parser):
@@ -24,8 +23,13 @@ def addArguments(parser):
         "as by Reduce. The exit status is 3 if the result is not clean: a clashscore above --clean, or a pierced ring."
     )
     parser.set_defaults(run=_run)
-    parser.add_argument("structure", help="a PDB or mmCIF file, plain or compressed; all its models are repaired")
-    parser.add_argument("-o", "--output", metavar="FILE", help="the repaired file (default: NAME-repaired, same kind)")
+    parser.add_argument(
+        "structure",
+        help="a PDB or mmCIF file, plain or compressed, of which all models are repaired, or a folder of such files",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="the repaired file or folder (default: NAME-repaired, same kind)"
+    )
     parser.add_argument(
         "--hydrogens",
         choices=HYDROGENS,
@@ -67,21 +71,18 @@ def addArguments(parser):
     )
     parser.add_argument("--csv", metavar="FILE", help="write the shift of every residue as CSV (-: print it)")
     parser.add_argument("--json", metavar="FILE", help="write everything as JSON (-: print it)")
+    parser.add_argument("--workers", type=positive, metavar="W", help="processes for a folder (default: all cores)")
+    parser.add_argument("--resume", action="store_true", help="keep repaired files that the folder of results has")
+    addScheduler(parser, "the repairs of a folder")
     addOverwrite(parser)
     addNotes(parser)
 
 
 def _run(options):
-    interface = _readInterface(options.interface)
-    file = readModelFile(options.structure)
-    name = options.output or _defaultName(options.structure)
-    _checkKind(name, file)
-    names = {"structure": name, "csv": options.csv, "json": options.json, "notes": options.notes}
-    outputs = checkOutputs(names, [options.structure], options.overwrite)
     settings = {
         "fixed": options.fix,
         "move": options.move,
-        "interface": interface,
+        "interface": _readInterface(options.interface),
         "maxShift": options.max_shift,
         "sideChainsOnly": options.side_chains_only,
         "turnsLigands": options.turn_ligands,
@@ -89,6 +90,18 @@ def _run(options):
         "cleanBelow": options.clean,
         "seed": options.seed,
     }
+    if Path(options.structure).is_dir():
+        return repairFolder(options, settings)
+    refuseWithout(options, "a folder of models", "workers", "resume", "scheduler")
+    return _repairFile(options, settings)
+
+
+def _repairFile(options, settings):
+    file = readModelFile(options.structure)
+    name = options.output or _defaultName(options.structure)
+    _checkKind(name, file)
+    names = {"structure": name, "csv": options.csv, "json": options.json, "notes": options.notes}
+    outputs = checkOutputs(names, [options.structure], options.overwrite)
     repaired = runRepair(RepairJob(options.structure, settings, options.hydrogens))
     summary = summarize(options.structure, repaired, name)
     writers = {
@@ -104,7 +117,7 @@ def _run(options):
     if writing.failures:
         printError(writing.describeFailures())
         return BAD_INPUT
-    return 0 if summary["isClean"] else _NOT_CLEAN
+    return 0 if summary["isClean"] else NOT_CLEAN
 
 
 def _readInterface(text):
