@@ -137,10 +137,10 @@ class ScoreSearch:
         found = clashscore(made.topology, made.positions, self._occupancies[made.bearers])
         if found.atomCount == 0:
             raise InputError(f"{self.source}: there is nothing but water")
-        names = [nameAtom(atom) for atom in made.topology.atoms()]
+        atoms = list(made.topology.atoms())
         clashes = []
         for (first, second), overlap in zip(found.pairs.tolist(), found.overlaps.tolist(), strict=True):
-            ends = sorted((int(made.bearers[atom]), names[atom]) for atom in (first, second))
+            ends = sorted((int(made.bearers[atom]), nameAtom(atoms[atom])) for atom in (first, second))
             (particle1, name1), (particle2, name2) = ends
             clashes.append(Clash(particle1, particle2, name1, name2, overlap))
         return MolProbityScore(found.score, found.atomCount, sorted(clashes, key=lambda clash: clash[:4]))
