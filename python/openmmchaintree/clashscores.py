@@ -17,6 +17,7 @@ def scoreClashes(
     trajectory: Path | None = None,
     definitions: str | Iterable[str] = "molprobity",
     keepHydrogens: bool = False,
+    flips: bool = False,
 ) -> "list[ClashScores]":
     """Score the clashes of all models of a structure, or of all frames of a trajectory, by the field's definitions.
 
@@ -32,11 +33,13 @@ def scoreClashes(
         as for `findClashes`
     definitions : str or iterable of str
         "own": the clashes of `findClashes`. "molprobity": MolProbity's clashscore, with hydrogens as Reduce places them
-        and contacts as Probe counts them; side chains are not flipped, and ligands have the hydrogens of the file.
+        and contacts as Probe counts them; ligands have the hydrogens of the file.
         "af3": AlphaFold 3's `has_clash`. "posebusters": PoseBusters' checks of distance and volume of each ligand,
         which needs RDKit.
     keepHydrogens : bool
         score the hydrogens of the file instead
+    flips : bool
+        for a clashscore, first flip side chains of Asn, Gln and His where hydrogens fit clearly better
 
     Returns
     -------
@@ -57,7 +60,7 @@ def scoreClashes(
     for definition in chosen:
         if definition not in DEFINITIONS:
             raise ValueError(f"there is no definition {definition!r}{didYouMean(definition, DEFINITIONS)}")
-    search = ScoreSearch(structure, trajectory, chosen, keepHydrogens)
+    search = ScoreSearch(structure, trajectory, chosen, keepHydrogens, flips)
     found: list[ClashScores] = []
     try:
         found.extend(search)

@@ -203,6 +203,20 @@ def test_fragmentsOfResiduesGetWhatTheirAtomsTell(name, added):
     assert len(hydrogensOf(found)) == added
 
 
+def test_sideChainsThatReduceFlips():
+    models = readModels(realStructurePath("1ubi_h.pdb"))
+    found = withHydrogens(models.topology, models.positions[0], flips=True)
+    residues = list(found.topology.residues())
+    names = [f"{residues[index].name} {residues[index].id}" for index in found.flipped]
+    assert names == ["ASN 25", "GLN 49", "ASN 60", "GLN 62"]  # as by reduce -build
+    # They exchange atoms, and leave all others where they were.
+    kept = np.flatnonzero(found.origins >= 0)
+    before, after = models.positions[0][found.origins[kept]], found.positions[kept]
+    residueOf = np.array([atom.residue.index for atom in found.topology.atoms()])[kept]
+    assert set(residueOf[(before != after).any(axis=1)]) == set(found.flipped)
+    assert (np.sort(before, axis=0) == np.sort(after, axis=0)).all()
+
+
 @pytest.mark.parametrize("name", ["1shg.pdb", "1ubi_h.pdb", "models/hp_T1065s2.pdb.gz", "models/al_dimer0.pdb.gz"])
 def test_clashscoresAreThoseOfReduceAndProbe(name):
     path = realStructurePath(name)

@@ -5,6 +5,7 @@ import io
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 from commands import assertRefused
 from openmm import app, unit
@@ -61,6 +62,33 @@ def test_aFileByAllDefinitions(runHere, shrunken, tmp_path):
 def test_hydrogensOfTheFile(runHere, shrunken):
     result = runHere(shrunken, "--definition", "molprobity", "--keep-hydrogens")
     assert "MolProbity: clashscore 12.03, 7 clashes of 582 atoms" in result.stdout
+
+
+def test_flips(runHere, villin, tmp_path):
+    """An asparagine beside a carboxylate whose O and N are exchanged is flipped back."""
+    write(villin, villin.positions, tmp_path / "a.pdb")
+    lines = (tmp_path / "a.pdb").read_text().splitlines()
+    asparagine = [line for line in lines if line[22:26].strip() == "19" and line.startswith("ATOM")]
+    places = {line[12:16].strip(): np.array([float(line[i : i + 8]) for i in (30, 38, 46)]) for line in asparagine}
+    beyond = places["ND2"] + 2.9 * (places["ND2"] - places["CG"]) / 1.33
+    others = [
+        f"ATOM      1  OD1 ASP B   1    {''.join(f'{x:8.3f}' for x in beyond)}  1.00  0.00           O",
+        f"ATOM      2  CG  ASP B   1    {''.join(f'{x:8.3f}' for x in beyond + [0.9, 0.9, 0])}  1.00  0.00           C",
+    ]
+    exchanged = {"OD1": "ND2", "ND2": "OD1"}
+    swapped = []
+    for line in asparagine:
+        name = line[12:16].strip()
+        if not line[12:16].strip().startswith("H"):
+            place = places[exchanged.get(name, name)]
+            swapped.append(f"{line[:30]}{''.join(f'{x:8.3f}' for x in place)}{line[54:]}")
+    (tmp_path / "b.pdb").write_text("\n".join([*swapped, "TER", *others, "END", ""]))
+    for options, expected in (((), []), (("--flips",), ["A:ASN 19"])):
+        result = runHere("b.pdb", "--definition", "molprobity", *options, "--json", "b.json", "--overwrite")
+        assert result.returncode == 0 and ("flipped: A:ASN 19" in result.stdout) == bool(expected)
+        content = json.loads((tmp_path / "b.json").read_text())
+        assertFollowsSchema(content)
+        assert content["files"][0]["models"][0]["molprobity"]["flipped"] == expected
 
 
 @pytest.mark.parametrize("limit, status", [(12.0, 1), (12.1, 0)])
@@ -151,6 +179,8 @@ def test_scriptsForViewers(runHere, shrunken, tmp_path, name, lines):
         (("--definition", "af3", "--water"), "--water works only with the definition own"),
         (("--definition", "af3", "--picture", "a.png"), "--picture shows clashes by --definition molprobity or own"),
         (("--definition", "molprobity", "--picture", "a.txt"), "a.txt: a picture's name ends in .png"),
+        (("--flips", "--keep-hydrogens"), "--flips places hydrogens"),
+        (("--definition", "af3", "--flips"), "--flips needs --definition molprobity"),
         (("--script", "a.py"), "a.py: a script's name ends in .pml or .cxc"),
         (("--definition", "af3", "--fail-above", "3"), "--fail-above needs --definition molprobity"),
         (("--fail-above", "nan"), "fail-above"),

@@ -88,6 +88,11 @@ def _addScores(clashes):
         "--keep-hydrogens", action="store_true", help="score the hydrogens of the file, and place none (molprobity)"
     )
     scores.add_argument(
+        "--flips",
+        action="store_true",
+        help="flip side chains of Asn, Gln and His first, where hydrogens fit clearly better (molprobity)",
+    )
+    scores.add_argument(
         "--fail-above",
         type=numberIn(0, 1e6),
         metavar="SCORE",

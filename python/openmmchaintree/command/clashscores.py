@@ -27,7 +27,7 @@ def isScoring(options):
     """Return whether options ask for scores, and not for the clashes of a structure or trajectory alone."""
     others = set(options.definition or ()) - {OWN}
     chosen = (options.models, options.fail_above, options.script)
-    return bool(others) or options.keep_hydrogens or any(value is not None for value in chosen)
+    return bool(others) or options.keep_hydrogens or options.flips or any(value is not None for value in chosen)
 
 
 def runScores(options):
@@ -43,13 +43,14 @@ def runScores(options):
         checkPicture(outputs["picture"])
     console = ReportConsole(outputs.values())
     head = {"schema": SCHEMA, "definitions": list(definitions), "keepHydrogens": options.keep_hydrogens}
+    head["flips"] = options.flips
     if paths:
         files = _scoreFolder(paths, definitions, options)
         content, items = {**head, "folder": str(options.models)}, files
         notes, search, models, word = [], None, [], ""
         printFolder(files, definitions, console, options.rows)
     else:
-        search = ScoreSearch(options.structure, options.trajectory, definitions, options.keep_hydrogens)
+        search = ScoreSearch(options.structure, options.trajectory, definitions, options.keep_hydrogens, options.flips)
         models, error = _scoreAll(search)
         if error is not None and not models:
             raise error
@@ -99,7 +100,9 @@ def _checkOptions(options, definitions):
                 raise InputError(f"--{name} shows clashes by --definition molprobity or own")
     if options.script is not None and Path(options.script).suffix.lower() not in ENDINGS:
         raise InputError(f"{options.script}: a script's name ends in {' or '.join(ENDINGS)}")
-    for name in ("fail_above", "keep_hydrogens"):
+    if options.flips and options.keep_hydrogens:
+        raise InputError("--flips places hydrogens: it cannot be used with --keep-hydrogens")
+    for name in ("fail_above", "keep_hydrogens", "flips"):
         if getattr(options, name) not in (None, False) and MOLPROBITY not in definitions:
             raise InputError(f"--{name.replace('_', '-')} needs --definition molprobity")
 
@@ -126,10 +129,10 @@ def _scoreAll(search):
     return models, None
 
 
-def scoreFile(path, definitions, keepHydrogens):
+def scoreFile(path, definitions, keepHydrogens, flips=False):
     """Return the plain scores of a file: "file", "error" or None, and "models"."""
     try:
-        models, error = _scoreAll(ScoreSearch(path, None, definitions, keepHydrogens))
+        models, error = _scoreAll(ScoreSearch(path, None, definitions, keepHydrogens, flips))
     except (InputError, OSError) as found:
         models, error = [], found
     text = None if error is None else str(error)
@@ -140,7 +143,7 @@ def scoreFile(path, definitions, keepHydrogens):
 
 def _scoreFolder(paths, definitions, options):
     """Return the plain scores of files, in their order."""
-    arguments = [(str(path), definitions, options.keep_hydrogens) for path in paths]
+    arguments = [(str(path), definitions, options.keep_hydrogens, options.flips) for path in paths]
     files = []
     with progress(len(paths)) as advance, _startWorkers(options.workers, len(paths)) as scoreAll:
         for file in scoreAll(arguments):

@@ -215,8 +215,12 @@ def _placesOfKind(kind, points):
         normal = _unit(np.cross(first, second))
         inner = np.degrees(np.arccos(np.clip((first * second).sum(axis=1), -1, 1)))
         return [points[0] + length * turn(first, normal, -_PEPTIDE_SHARE * (360 - inner))]
-    outwards = 0.5 * sum(_unit(point - points[0]) for point in points[1:])
-    return [points[0] - length * _unit(outwards)]
+    return [planarPlace(*points, length)]
+
+
+def planarPlace(bearer, neighbor1, neighbor2, length):
+    """Return the places at a length from bearers, opposite to their two neighbors; points are (n, 3) arrays, nm."""
+    return bearer - length * _unit(_unit(neighbor1 - bearer) + _unit(neighbor2 - bearer))
 
 
 def turnedPlace(bearer, neighbor, reference, length, angle, dihedral):

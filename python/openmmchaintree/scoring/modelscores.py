@@ -6,7 +6,7 @@ import numpy as np
 
 from ..clashes import Clash, FrameClashes
 from ..errors import InputError
-from ..naming import nameAtom
+from ..naming import describeResidue, nameAtom
 from ..notes import Note
 from ..residues import isPolymer
 from ..structures.clashsearch import ClashSearch
@@ -26,11 +26,13 @@ class MolProbityScore(NamedTuple):
 
     clashscore : float, clashes per 1,000 atoms with hydrogens and without water; atomCount : int, of these atoms
     clashes : list of Clash, whose particles are atoms of the structure, for an added hydrogen the atom that bears it
+    flipped : list of str, residues whose side chains were flipped before
     """
 
     clashscore: float
     atomCount: int
     clashes: list[Clash]
+    flipped: list[str]
 
 
 class ClashScores(NamedTuple):
@@ -64,7 +66,7 @@ class ScoreSearch:
     notes : list of Note, on the input
     """
 
-    def __init__(self, structure, trajectory=None, definitions=(MOLPROBITY,), keepHydrogens=False):
+    def __init__(self, structure, trajectory=None, definitions=(MOLPROBITY,), keepHydrogens=False, flips=False):
         """Read a structure.
 
         Parameters
@@ -75,13 +77,15 @@ class ScoreSearch:
             of DEFINITIONS
         keepHydrogens : bool
             score the hydrogens of the file, instead of those that Reduce would place
+        flips : bool
+            flip side chains of Asn, Gln and His first, where hydrogens fit clearly better
 
         Raises
         ------
         InputError
             if a file cannot be read, or hydrogens are to be kept and there are none
         """
-        self._definitions, self._keepHydrogens = definitions, keepHydrogens
+        self._definitions, self._keepHydrogens, self._flips = definitions, keepHydrogens, flips
         self.source = villinPath() if structure is None else structure
         needsSearch = OWN in definitions or trajectory is not None
         self._search = ClashSearch(structure, trajectory) if needsSearch else None
@@ -133,7 +137,7 @@ class ScoreSearch:
             atoms = np.arange(len(positions))
             made = Protonated(self.topology, positions, atoms, atoms)
         else:
-            made = withHydrogens(self.topology, positions)
+            made = withHydrogens(self.topology, positions, flips=self._flips)
         found = clashscore(made.topology, made.positions, self._occupancies[made.bearers])
         if found.atomCount == 0:
             raise InputError(f"{self.source}: there is nothing but water")
@@ -143,7 +147,10 @@ class ScoreSearch:
             ends = sorted((int(made.bearers[atom]), nameAtom(atoms[atom])) for atom in (first, second))
             (particle1, name1), (particle2, name2) = ends
             clashes.append(Clash(particle1, particle2, name1, name2, overlap))
-        return MolProbityScore(found.score, found.atomCount, sorted(clashes, key=lambda clash: clash[:4]))
+        residues = list(made.topology.residues())
+        flipped = [describeResidue(residues[index]) for index in made.flipped]
+        ordered = sorted(clashes, key=lambda clash: clash[:4])
+        return MolProbityScore(found.score, found.atomCount, ordered, flipped)
 
 
 def _heteroAtoms(models):

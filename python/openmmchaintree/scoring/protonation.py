@@ -6,6 +6,7 @@ import numpy as np
 from openmm import app
 
 from ..residues import aminoAcid, isCalledWater
+from .choices import flipChoices, histidineChoice
 from .contactatoms import ACCEPTOR, contactAtoms
 from .hydrogens import isPlaced, placeHydrogens
 from .rotors import optimizeRotors
@@ -21,18 +22,21 @@ class Protonated(NamedTuple):
     positions : (n, 3) float64 array, nm
     origins : (n,) int array, the particle of the given Topology that each atom is, -1 for an added hydrogen
     bearers : (n,) int array, the same, but for an added hydrogen the particle that bears it
+    flipped : list of int, the residues whose side chains were flipped, by index
     """
 
     topology: app.Topology
     positions: np.ndarray
     origins: np.ndarray
     bearers: np.ndarray
+    flipped: list[int] = []
 
 
-def withHydrogens(topology, positions, areClashesBonds=True):
+def withHydrogens(topology, positions, areClashesBonds=True, flips=False):
     """Return a structure with the hydrogens of Reduce, as Protonated.
 
     topology : openmm.app.Topology; positions : (n, 3) float64 array, nm; areClashesBonds : as in placeHydrogens
+    flips : bool, exchange O and N of Asn and Gln, and the sides of His, where hydrogens fit clearly better
 
     Amino acids, nucleotides and hemes get hydrogens in place of those that they have. Water gets none, and other
     residues keep theirs.
@@ -48,18 +52,27 @@ def withHydrogens(topology, positions, areClashesBonds=True):
         rotor._replace(axis=bearing[list(rotor.axis)].tolist(), hydrogens=hydrogens[rotor.hydrogens].tolist())
         for rotor in placed.rotors
     ]
-    histidines = [hydrogens[list(pair)].tolist() for pair in placed.histidines]
     places = np.concatenate([positions[kept], placed.positions])[order]
     atoms = contactAtoms(whole, places)
     mayAccept = (atoms.flags & ACCEPTOR > 0) | np.array([_mayFlip(atom) for atom in whole.atoms()], dtype=bool)
-    absent = optimizeRotors(atoms, places, rotors, histidines, mayAccept)
+    flipping = flipChoices(whole, atoms, places) if flips else {}
+    choices = list(flipping.values())
+    for pair in placed.histidines:
+        pair = hydrogens[list(pair)].tolist()
+        if atoms.residues[pair[0]] not in flipping:
+            choices.append(histidineChoice(atoms, pair))
+    states = optimizeRotors(atoms, places, rotors, choices, mayAccept)
+    absent = [atom for choice, state in zip(choices, states, strict=True) for atom in choice.absent[state]]
+    flipped = [
+        residue for residue, state in zip(flipping, states, strict=False) if flipping[residue].penalties[state] > 0
+    ]
     origins = np.concatenate([kept, np.full(len(placed.names), -1)])[order]
     bearers = np.concatenate([kept, kept[placed.parents]])[order]
     if absent:
         rest = np.setdiff1d(np.arange(len(order)), absent)
         whole, _ = _build(whole, rest, [], rest[:0])
         places, origins, bearers = places[rest], origins[rest], bearers[rest]
-    return Protonated(whole, places, origins, bearers)
+    return Protonated(whole, places, origins, bearers, flipped)
 
 
 def _isReplaced(atom):

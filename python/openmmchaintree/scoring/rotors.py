@@ -36,8 +36,7 @@ class _Group:
     """Atoms whose orientation is chosen.
 
     scored : list of int, the atoms whose dots count; angles : of rough orientations, degrees; orientation : the present
-    one, an angle, or for a histidine the number of the absent hydrogen, 0 or 1; linked : the numbers of groups that it
-    can touch
+    one, an angle, or the number of the state of a Choice; linked : the numbers of groups that it can touch
     """
 
     scored: list[int]
@@ -46,35 +45,37 @@ class _Group:
     linked: list[int] = field(default_factory=list)
 
 
-def optimizeRotors(atoms, positions, rotors, histidines, mayAccept):
-    """Turn rotors in place, and return the hydrogens of histidines that are to be left out.
+def optimizeRotors(atoms, positions, rotors, choices, mayAccept):
+    """Turn rotors in place, choose a state of each of the choices, and return these states as a list of int.
 
     Parameters
     ----------
     atoms : ContactAtoms
         with all hydrogens
     positions : (n, 3) float64 array, nm
-        those of hydrogens change
+        those of hydrogens change, and those that choices move
     rotors : list of Rotor
-    histidines : list of (int, int)
-        hydrogens on ND1 and NE2, of which one stays
+    choices : list of Choice
     mayAccept : (n,) bool array
         atoms that hydroxyls try to point at
     """
-    if not rotors and not histidines:
+    if not rotors and not choices:
         return []
-    return _Optimizer(atoms, positions, rotors, histidines, mayAccept).run()
+    return _Optimizer(atoms, positions, rotors, choices, mayAccept).run()
 
 
 class _Optimizer:
-    def __init__(self, atoms, positions, rotors, histidines, mayAccept):
+    def __init__(self, atoms, positions, rotors, choices, mayAccept):
         self._atoms = atoms._replace(flags=atoms.flags.copy())
         self._positions, self._mayAccept = positions, mayAccept
-        self._rotors, self._histidines = rotors, histidines
+        self._rotors, self._choices = rotors, choices
         self._groups = [_Group([rotor.axis[0], *rotor.hydrogens], [], _START) for rotor in rotors]
-        for pair in histidines:
-            self._groups.append(_Group([*atoms.parents[pair].tolist(), *pair], [0.0, 1.0], 0.0))
-            self._neutralize(pair)
+        for choice in choices:
+            self._groups.append(_Group(choice.scored, list(map(float, range(len(choice.absent)))), 0.0))
+            if choice.hydrogens:
+                self._neutralize(choice.hydrogens)
+        # How far choices move atoms, nm.
+        self._margin = 0.25 if any(choice.moved for choice in choices) else 0.0
         self._circles = [self._circleOf(rotor) for rotor in rotors]
         for rotor in self._rotors:
             if rotor.kind == "NH3":
@@ -96,7 +97,7 @@ class _Optimizer:
     def _link(self):
         """Find the groups that can touch each other; their dots on each other count twice, for both."""
         centers = np.array([self._positions[group.scored[0]] for group in self._groups])
-        for first, second in cKDTree(centers).query_pairs(_LINKED):
+        for first, second in cKDTree(centers).query_pairs(_LINKED + self._margin):
             self._groups[first].linked.append(second)
             self._groups[second].linked.append(first)
         self._weights = np.ones(len(self._positions))
@@ -119,8 +120,7 @@ class _Optimizer:
                 most = _STEP_OF_THREE if rotor.kind == "NH3" else _STEP
                 middle = groups[number].orientation
                 self._choose(number, [middle + offset for offset in _aroundZero(2 * most, _FINE)])
-        chosen = groups[len(self._rotors) :]
-        return [pair[int(group.orientation)] for pair, group in zip(self._histidines, chosen, strict=True)]
+        return [int(group.orientation) for group in groups[len(self._rotors) :]]
 
     def _roughAngles(self, number, rotor):
         """Return the angles that are tried first; a hydroxyl or thiol turns to where it bumps least."""
@@ -169,9 +169,10 @@ class _Optimizer:
         if number < len(self._rotors):
             self._positions[self._rotors[number].hydrogens] = self._placesAt(number, [orientation])[0]
         else:
-            pair = self._histidines[number - len(self._rotors)]
-            self._atoms.flags[pair] &= ~ABSENT
-            self._atoms.flags[pair[int(orientation)]] |= ABSENT
+            choice = self._choices[number - len(self._rotors)]
+            self._positions[choice.moved] = choice.places[int(orientation)]
+            self._atoms.flags[choice.hydrogens] &= ~ABSENT
+            self._atoms.flags[choice.absent[int(orientation)]] |= ABSENT
 
     def _circleOf(self, rotor):
         """Return the middle of the circle on which a rotor's hydrogens lie, and its places of dihedrals 0 and 90."""
@@ -194,9 +195,10 @@ class _Optimizer:
         """Return the scores of orientations of a group, a (k,) array."""
         if number >= len(self._rotors):
             scores = []
-            for orientation in orientations:
+            penalties = self._choices[number - len(self._rotors)].penalties
+            for orientation, penalty in zip(orientations, penalties, strict=True):
                 self._orient(number, orientation)
-                scores.append(self._scoresOf(number, [0.0], None, onlyBumps)[0])
+                scores.append(self._scoresOf(number, [0.0], None, onlyBumps)[0] - penalty)
             return np.array(scores)
         return self._scoresOf(number, orientations, self._placesAt(number, orientations), onlyBumps)
 
@@ -232,7 +234,7 @@ class _Optimizer:
             isHeavy = atoms.parents[atom] < 0
             center = self._positions[atom if isHeavy else atoms.parents[atom]]
             # Hydrogens turn, those of other groups, too.
-            reach = atoms.radii[atom] + atoms.radii.max() + (0.2 if isHeavy else 0.33)
+            reach = atoms.radii[atom] + atoms.radii.max() + (0.2 if isHeavy else 0.33) + 2 * self._margin
             near = np.array(self._tree.query_ball_point(center, reach), dtype=int)
             areBonded = areIn(near, rowOf(self._bonded, atom), self._isMarked)
             self._surroundings[atom] = near[~areBonded & (near != atom)], near[areBonded & (near != atom)]

@@ -5,6 +5,7 @@ import io
 import math
 from pathlib import Path
 
+from ...notes import listFirst
 from ...scoring.modelscores import AF3, MOLPROBITY, OWN, POSEBUSTERS
 from ...scoring.parts import countByParts
 from ..terminal import printable
@@ -32,8 +33,9 @@ def plainScores(search, scores):
         clashes = scores.own.clashes
         plain[OWN] = {"per1000Atoms": scores.own.clashesPer1000Atoms, **_plainClashes(search, clashes)}
     if scores.molprobity is not None:
-        score, atomCount, clashes = scores.molprobity
-        plain[MOLPROBITY] = {"clashscore": score, "atoms": atomCount, **_plainClashes(search, clashes)}
+        score, atomCount, clashes, flipped = scores.molprobity
+        plain[MOLPROBITY] = {"clashscore": score, "atoms": atomCount, "flipped": flipped}
+        plain[MOLPROBITY] |= _plainClashes(search, clashes)
     if scores.chains is not None:
         hasClash = any(chain.hasClash for chain in scores.chains)
         plain[AF3] = {"hasClash": hasClash, "chains": [chain._asdict() for chain in scores.chains]}
@@ -166,6 +168,8 @@ def _printModel(model, console, rows):
             f"MolProbity: clashscore {score['clashscore']:.2f}, {countClashes(score['clashes'])} of {score['atoms']:,} "
             "atoms with hydrogens"
         )
+        if score["flipped"]:
+            console.print(f"flipped: {listFirst(score['flipped'])}")
         _printParts(score, console, rows)
     if AF3 in model:
         clashing = [chain["chain"] for chain in model[AF3]["chains"] if chain["hasClash"]]
