@@ -101,6 +101,14 @@ def test_drawnMoves(tmp_path):
     assert len(shares) == 59 and all(0.01 < share < 0.9 for share in shares)
 
 
+def test_loops(tmp_path):
+    villin = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))
+    with open(tmp_path / "villin.pdb", "w") as file:
+        app.PDBFile.writeFile(villin.topology, villin.positions, file)
+    output = run("validation/loops.py", "growth", "villin.pdb", "22-25", "--seconds", 1, folder=tmp_path)
+    assert float(re.search(r"median: ([0-9.]+) closed loops a second", output)[1]) > 1
+
+
 def test_clashscores(tmp_path):
     """Stand-ins for the programs: the first leaves hydrogens as they are, and the second knows one clash."""
     villin = app.PDBFile(str(Path(app.__file__).parent / "data" / "test.pdb"))

@@ -23,7 +23,7 @@ from .defaultmoves import addDefaultMoves  # noqa: E402
 from .densities import DrawnTorsions, ramachandranDensities, rotamerDensities  # noqa: E402
 from .ensemble import Ensemble, sampleEnsemble  # noqa: E402
 from .errors import InputError  # noqa: E402
-from .loops import LoopEnsemble, sampleLoop  # noqa: E402
+from .loops import AnnealedLoops, LoopEnsemble, annealLoop, sampleLoop  # noqa: E402
 from .missing import BuiltStructure, buildMissing  # noqa: E402
 from .moveadder import AddedMove, AddedMoves  # noqa: E402
 from .naming import AtomName  # noqa: E402
@@ -58,6 +58,7 @@ __version__: str = _build.VERSION
 __all__ = [
     "AddedMove",
     "AddedMoves",
+    "AnnealedLoops",
     "AtomName",
     "BuiltStructure",
     "CalvadosSystem",
@@ -88,6 +89,7 @@ __all__ = [
     "TorsionSearch",
     "TraversalStatistics",
     "addDefaultMoves",
+    "annealLoop",
     "buildMissing",
     "coilDensities",
     "createCalvadosSystem",

@@ -3,6 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
+import openmm
 from openmm import app
 
 from .errors import InputError
@@ -108,3 +109,85 @@ def sampleLoop(
     positions = positionsInNm(positions, topology.getNumAtoms())
     run = LoopRun(topology, positions, loop, model, kelvin, seed)
     return run.sample(int(conformers), int(trials), int(maxGrown or 30 * conformers))
+
+
+class AnnealedLoops(NamedTuple):
+    """Conformers of a loop that were annealed in a force field, each from a loop of its own growth.
+
+    topology : openmm.app.Topology
+    positions : (starts, n, 3) float64 array, nm; all but the loop is where it was
+    energies : (starts) array, kJ/mol
+    distances, basins : as of `LoopEnsemble`
+    native : (positions, energy, distance) of a run that began at the given positions, by the same trials
+    grown : int, closed loops without clashes that were grown; runs : int, attempts
+    """
+
+    topology: app.Topology
+    positions: np.ndarray
+    energies: np.ndarray
+    distances: np.ndarray
+    basins: np.ndarray
+    native: tuple[np.ndarray, float, float]
+    grown: int
+    runs: int
+
+
+def annealLoop(
+    topology: app.Topology,
+    positions: Array,
+    loop: str,
+    system: openmm.System,
+    starts: int = 20,
+    seed: int = 0,
+    temperature: Number = 300.0,
+    hottest: Number = 1500.0,
+    trials: int = 50000,
+) -> AnnealedLoops:
+    """Anneal independently grown loops in a force field, with everything else fixed.
+
+    Each run begins with a loop that is grown as for `sampleLoop`, with the density of random coils and hard spheres.
+    It samples exp(−U/kT) while the temperature falls by equal factors from `hottest` to `temperature`, in the first
+    four fifths of the trials, and then to a fiftieth of it: a quench. All bonds of the loop outside rings turn. The
+    conformers are local minima, not a Boltzmann ensemble; longer runs reach lower energies. For comparison, one run of
+    the same length begins at the given positions.
+
+        loops = annealLoop(pdb.topology, pdb.positions, "A:63-74", system, starts=10)
+        print(loops.energies.min(), loops.native[1])
+
+    Parameters
+    ----------
+    topology : openmm.app.Topology
+        with all bonds and hydrogens
+    positions : array of shape (n, 3) or Quantity
+        nm, with the loop closed
+    loop : str
+        the chain and the numbers of its first and last residue, such as "A:63-74"
+    system : openmm.System
+        the energies; it is copied
+    starts : int
+        the number of loops
+    seed : int
+        the random number seed; 0 draws one
+    temperature, hottest : float or Quantity
+        K
+    trials : int
+        trials of each run
+
+    Returns
+    -------
+    AnnealedLoops
+
+    Raises
+    ------
+    InputError
+        as `sampleLoop`
+    """
+    if starts < 1 or trials < 1:
+        raise InputError("starts and trials must be above 0")
+    kelvin, most = float(inUnit(temperature, "K", "temperature")), float(inUnit(hottest, "K", "hottest"))
+    if not 0 < kelvin <= most:
+        raise InputError("temperature must be above 0, and hottest not below it")
+    from .ensembles.loopannealing import LoopAnnealing  # like other runs of ensembles
+
+    positions = positionsInNm(positions, topology.getNumAtoms())
+    return LoopAnnealing(topology, positions, loop, system, seed).anneal(int(starts), kelvin, most, int(trials))

@@ -42,6 +42,7 @@ _LATE = {
     ("repair", "repairs.causes"),  # for annotations
     ("repair", "repairs.changes"),
     ("repair", "scoring.protonation"),
+    ("loops", "ensembles.loopannealing"),
     ("loops", "ensembles.looprun"),
 }
 

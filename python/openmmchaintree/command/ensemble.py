@@ -9,6 +9,7 @@ from .arguments import addScheduler, checkWorkers, notNegative, numberIn, positi
 from .ensembleatoms import addAllAtoms
 from .ensemblejobs import findDone, makeJobs, stemOf
 from .ensembleworkers import results, workers
+from .loopensemble import CONFORMERS_OF_LOOPS, addLoops, checkNoLoop, runLoop
 from .outputs.output import Output
 from .outputs.outputfiles import addOverwrite, asJSON
 from .reports.ensemblereport import asCSV, heading, rowOf, writeFiles
@@ -16,6 +17,7 @@ from .reports.noteoutput import printNotes
 from .terminal import BAD_INPUT, ReportConsole, interruptFlag, ofSignal, printError
 
 _MOST_PICTURES = 20  # drawn without being asked for: each takes as long as hundreds of conformers
+_CONFORMERS = 1000
 _TOO_FEW = 3  # exit status: a protein ended before it had all conformers
 
 
@@ -23,10 +25,10 @@ def addArguments(parser):
     """Describe the command and its arguments to a parser."""
     parser.description = (
         "Sample independent conformers of disordered proteins, and of proteins with folded domains, with a bead for "
-        "each residue; or of tails, linkers and chains as random coils of all atoms. For each protein, the folder "
-        "of results gets a trajectory (NAME.dcd), its topology (NAME-topology.pdb), shapes by conformer (NAME.csv), "
-        "averages (NAME.json) and a picture of radii of gyration, distances and contacts (NAME.png); summary.csv has a "
-        "row for each protein."
+        "each residue; of tails, linkers and chains as random coils of all atoms; or of a loop between fixed ends. For "
+        "each protein, the folder of results gets a trajectory (NAME.dcd), its topology (NAME-topology.pdb), shapes by "
+        "conformer (NAME.csv), averages (NAME.json) and a picture of radii of gyration, distances and contacts "
+        "(NAME.png); summary.csv has a row for each protein. A loop has neither picture nor summary.csv."
     )
     parser.set_defaults(run=_run)
     parser.add_argument(
@@ -44,7 +46,10 @@ def addArguments(parser):
         "is one of two segments (default: none)",
     )
     parser.add_argument(
-        "--conformers", type=positive, default=1000, metavar="N", help="independent conformers (default: %(default)s)"
+        "--conformers",
+        type=positive,
+        metavar="N",
+        help=f"independent conformers (default: {_CONFORMERS}, of loops {CONFORMERS_OF_LOOPS})",
     )
     parser.add_argument(
         "--temperature", type=numberIn(1, 1000), default=298.0, metavar="K", help="in K (default: %(default)g)"
@@ -83,9 +88,14 @@ def addArguments(parser):
     addScheduler(parser, "proteins")
     addOverwrite(parser)
     addAllAtoms(parser)
+    addLoops(parser)
 
 
 def _run(options):
+    if options.loop is not None:
+        return runLoop(options)
+    checkNoLoop(options)
+    options.conformers = options.conformers or _CONFORMERS
     checkWorkers(options)
     jobs = makeJobs(options)
     folder = Path(options.output or f"{stemOf(options.source)}-ensemble")

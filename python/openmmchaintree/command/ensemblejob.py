@@ -56,7 +56,7 @@ def runJob(job):
             ensemble = sampleEnsemble(source, domains=chosen, **settings)
     notes = [each.message.note for each in caught if isinstance(each.message, NoteWarning)]
     summary = {**_summarize(job, ensemble), "notes": asPlain(notes)}
-    files = {"-topology.pdb": _asPDB(ensemble), ".dcd": _asDCD(ensemble), ".csv": _asCSV(ensemble.shapes)}
+    files = {"-topology.pdb": asPDB(ensemble), ".dcd": asDCD(ensemble), ".csv": _asCSV(ensemble.shapes)}
     if job.hasPicture:
         picture = _Memory(f"{job.name}.png")
         savePicture("ensemblepicture", picture, job.name, ensemble)
@@ -111,14 +111,14 @@ def _exponentWithError(positions):
     return exponent, float(np.std(blocks, ddof=1) / np.sqrt(_BLOCKS))
 
 
-def _asPDB(ensemble):
+def asPDB(ensemble):
     text = io.StringIO()
     positions = ensemble.positions[0].astype(float) * unit.nanometer
     openmm.app.PDBFile.writeFile(ensemble.topology, positions, text, keepIds=True)
     return text.getvalue().encode()
 
 
-def _asDCD(ensemble):
+def asDCD(ensemble):
     content = io.BytesIO()
     trajectory = openmm.app.DCDFile(content, ensemble.topology, 1 * unit.picosecond)
     for positions in ensemble.positions:

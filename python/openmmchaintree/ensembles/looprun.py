@@ -7,17 +7,12 @@ import numpy as np
 import openmm
 from openmm import unit
 
-from ..errors import InputError
 from ..loops import LoopEnsemble
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 from .basins import findBasins
+from .loopgrower import LoopGrower
 from .loopscene import makeLoopScene
 
-# How many loops grow together, and how often sets of the backbone and side chains are drawn. Of some tried values,
-# these gave the most loops a second.
-_POPULATION, _BACKBONE_DRAWS, _SIDE_DRAWS = 64, 16, 8
-_MOST_FAILURES = 200  # in a row, after which larger populations are tried
-_MOST_POPULATION = 4096
 _FIRST_RUNS = 100  # before the first estimate
 _CLOSED_STEP, _HOP, _CHI_STEP = math.radians(10), 0.3, math.radians(15)
 _TRIALS_PER_STEP = 500
@@ -31,12 +26,9 @@ class LoopRun:
         seed = seed or random.SystemRandom().randrange(1, 2**31 - 1)
         self._random = np.random.default_rng(seed)
         self.scene = makeLoopScene(topology, self._positions, name, model, temperature)
-        self._name, self._kT = (
-            name,
-            (unit.MOLAR_GAS_CONSTANT_R * temperature * unit.kelvin).value_in_unit(unit.kilojoule_per_mole),
-        )
+        self._kT = (unit.MOLAR_GAS_CONSTANT_R * temperature * unit.kelvin).value_in_unit(unit.kilojoule_per_mole)
+        self._grower = LoopGrower(self.scene.growth, name, self._random)
         self._context, self._integrator = self._makeContext(temperature, seed)
-        self._population, self._failures, self.runs = _POPULATION, 0, 0
         self.loops, self.logWeights, self.energies = [], [], []
 
     def _makeContext(self, temperature, seed):
@@ -56,40 +48,26 @@ class LoopRun:
 
     def grow(self):
         """Make a run of growth; add its loop, if one was left."""
-        self.runs += 1
-        seed = int(self._random.integers(1, 2**31 - 1))
-        grown = self.scene.growth.grow(seed, self._population, _BACKBONE_DRAWS, _SIDE_DRAWS)
-        if not math.isfinite(grown.logWeight):
-            self._failures += 1
-            if self._failures == _MOST_FAILURES:
-                self._enlarge()
+        grown = self._grower.attempt()
+        if grown is None:
             return
-        self._failures = 0
         self._context.setPositions(grown.positions)
         energy = self._integrator.getPotentialEnergy(self._context)
         self.loops.append(grown.positions[self.scene.moving])
         self.energies.append(energy)
         self.logWeights.append(grown.logWeight - grown.logDensity - energy / self._kT)
 
-    def _enlarge(self):
-        if self._population >= _MOST_POPULATION or self.loops:
-            raise InputError(
-                f"{self._name}: no loop was found that closes without a clash, in {self.runs:,} attempts; the fixed "
-                "part leaves it no room"
-            )
-        self._population, self._failures = 4 * self._population, 0
-
     def sample(self, conformers, trials, maxGrown):
         """Grow loops until there are enough, draw conformers from them, and sample each; return the LoopEnsemble."""
         wanted = _FIRST_RUNS
         while True:
-            while self.runs < wanted and len(self.loops) < maxGrown:
+            while self._grower.runs < wanted and len(self.loops) < maxGrown:
                 self.grow()
             sample = effectiveSize(self.logWeights)
             isComplete = sample >= conformers
             if isComplete or len(self.loops) >= maxGrown:
                 break
-            wanted = self.runs + max(_FIRST_RUNS, int(0.1 * self.runs))
+            wanted = self._grower.runs + max(_FIRST_RUNS, int(0.1 * self._grower.runs))
         parents = drawByWeight(self.logWeights, conformers, self._random)
         positions, energies = map(np.array, zip(*(self._relax(parent, trials) for parent in parents), strict=True))
         backbones = positions[:, self.scene.backbone]
@@ -103,7 +81,7 @@ class LoopRun:
             parents,
             sample,
             len(self.loops),
-            self.runs,
+            self._grower.runs,
             isComplete,
         )
 

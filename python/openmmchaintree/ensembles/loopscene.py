@@ -1,5 +1,6 @@
 """A loop between fixed parts: its System, its spheres, and its growth."""
 
+import copy
 import warnings
 from typing import NamedTuple
 
@@ -36,19 +37,27 @@ class LoopScene(NamedTuple):
     rotamers: object
 
 
-def makeLoopScene(topology, positions, name, model, temperature):
-    """Make the LoopScene of a loop (str, as for `findLoop`) in a model at a temperature (K)."""
+def makeLoopScene(topology, positions, name, model, temperature, forceField=None):
+    """Make the LoopScene of a loop (str, as for `findLoop`).
+
+    model : str, "coil" or "spheres", at a temperature (K); or None, for the energies of a forceField, a System
+    """
     loop = findLoop(topology, positions, name)
     moving = np.array([atom.index for residue in loop for atom in residue.atoms()])
     backbone = np.array([atom.index for residue in loop for atom in residue.atoms() if atom.name in BACKBONE])
     isFixed = np.ones(topology.getNumAtoms(), dtype=bool)
     isFixed[moving] = False
+    system = openmm.System() if forceField is None else copy.deepcopy(forceField)
+    for index, fixed in enumerate(isFixed):
+        if forceField is None:
+            system.addParticle(0 if fixed else 1)
+        elif fixed and not system.isVirtualSite(index):
+            system.setParticleMass(index, 0)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NoteWarning)
-        force = createStericExclusionForce(topology, positions, fixed=isFixed, closures="loops")
-    system = openmm.System()
-    for fixed in isFixed:
-        system.addParticle(0 if fixed else 1)
+        force = createStericExclusionForce(
+            topology, positions, fixed=isFixed, closures="loops", system=None if forceField is None else system
+        )
     if model == "coil":
         system.addForce(createCoilForce(topology, temperature, positions, ~isFixed))
     atoms = list(topology.atoms())
@@ -81,6 +90,8 @@ def _drawnSets(topology, force, positions, rotamers, model):
     densities = [
         _turned(density, torsions, named.turns(positions)) for torsions, density in zip(*backbone, strict=True)
     ] + (rotamers.density if rotamers else [])
+    if model is None:
+        return sets, densities
     if model == "spheres":
         densities = [_uniform(len(torsions)) for torsions in sets]
     known = {torsion for torsions in sets for torsion in torsions}

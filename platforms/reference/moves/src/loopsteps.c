@@ -174,14 +174,18 @@ static void scaleMeetings(Meetings* meetings) {
 
 /* ---- Steps ---- */
 
-/* The joints of the set of a joint, or it alone. */
-static GrowthStep stepOf(const LoopShape* s, int joint, bool isFromHead) {
-  GrowthStep step = {.isFromHead = isFromHead, .set = s->setOf[joint], .first = joint, .last = joint};
-  if (step.set != -1) {
-    const JointSet* set = &s->sets[step.set];
-    step.first = set->joints[0];
-    step.last = set->joints[set->count - 1];
+/* The step from joint `from` of the path towards joint `end`, which it does not reach: one set, and all joints before
+ * and behind it that are in none, so that these have their places in the same draws. */
+static GrowthStep stepFrom(const LoopShape* s, int from, int end) {
+  const int way = from < end ? 1 : -1;
+  GrowthStep step = {.isFromHead = way > 0, .set = -1};
+  int joint = from;
+  while (joint != end && (s->setOf[joint] == -1 || step.set == -1 || s->setOf[joint] == step.set)) {
+    step.set = s->setOf[joint] == -1 ? step.set : s->setOf[joint];
+    joint += way;
   }
+  step.first = way > 0 ? from : joint + 1;
+  step.last = way > 0 ? joint - 1 : from;
   return step;
 }
 
@@ -224,7 +228,7 @@ bool planLoopSteps(const LoopShape* s, LoopSteps* steps, const char** problem) {
   while (head < steps->closingFirst || tail > steps->closingLast) {
     const bool isFromHead = steps->closingFirst - head >= tail - steps->closingLast;
     GrowthStep* step = &steps->steps[steps->count++];
-    *step = stepOf(s, isFromHead ? head : tail, isFromHead);
+    *step = isFromHead ? stepFrom(s, head, steps->closingFirst) : stepFrom(s, tail, steps->closingLast);
     head = isFromHead ? step->last + 1 : head;
     tail = isFromHead ? tail : step->first - 1;
     step->headJoint = head;
