@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..errors import InputError
 from ..residues import CAPS, aminoAcid, chiAtoms
 from .residuetemplates import C_N, C_N_CA, C_O, CA_C, CA_C_N, CA_C_O, N_CA, N_CA_C, N_H, residueTemplate
 
@@ -61,6 +62,17 @@ def dihedralOf(first, second, third, fourth):
     return np.arctan2(np.linalg.norm(axis) * (second - first) @ normal2, normal1 @ normal2)
 
 
+def _checkCaps(names, isBegin, isEnd):
+    """Raise an InputError if a cap is not at the end of a chain where it belongs."""
+    for place, name in enumerate(names):
+        if name in _FRONT_CAPS and not (isBegin and place == 0):
+            raise InputError(f"{name} can only be the first residue of a chain")
+        if name in CAPS and name not in _FRONT_CAPS:
+            isAlone = isBegin and place == 0
+            if isAlone or not (isEnd and place == len(names) - 1):
+                raise InputError(f"{name} can only be the last residue of a chain")
+
+
 def amideHydrogen(previous, n, ca):
     """Return the place of the hydrogen of N, in the plane of its neighbors; previous : place of C before it."""
     outwards = (n - previous) / np.linalg.norm(n - previous) + (n - ca) / np.linalg.norm(n - ca)
@@ -87,6 +99,7 @@ def buildForward(names, draws, hydrogens, before=None, nextName=None):
     Joint
         of the last residue, with its ψ
     """
+    _checkCaps(names, before is None, nextName is None)
     built, joint = [], before
     for place, name in enumerate(names):
         following = names[place + 1] if place + 1 < len(names) else nextName
@@ -150,6 +163,7 @@ def buildBackward(names, draws, hydrogens, after, nextName, isLinker=False):
     Joint
         of the first residue, with its φ
     """
+    _checkCaps(names, not isLinker, False)
     built, joint = [], after
     for place in range(len(names) - 1, -1, -1):
         name, following = names[place], [*names[place + 1 :], nextName][0]

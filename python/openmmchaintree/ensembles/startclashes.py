@@ -10,7 +10,7 @@ from ..notes import listFirst
 from ..openmmchaintree import TorsionMonteCarloIntegrator
 
 _SCALES = (0.4, 0.6, 0.75, 0.85, 0.93, 1.0)  # of radii
-_TRIALS = 200  # between looks at clashes
+_FEWEST_TRIALS = 200  # between looks at clashes, else one for each torsion
 _LOOKS = 300  # at each scale
 
 
@@ -51,7 +51,7 @@ def removeClashes(force, system, topology, positions, addMoves, temperature, see
     integrator = TorsionMonteCarloIntegrator(temperature)
     integrator.setRandomNumberSeed(seed)
     integrator.setStericMode(TorsionMonteCarloIntegrator.Hard)
-    integrator.setTrialsPerStep(_TRIALS)
+    integrator.setTrialsPerStep(max(_FEWEST_TRIALS, force.getNumTorsions()))
     addMoves(integrator)
     try:
         _setRadii(force, radii, _SCALES[0])
