@@ -2,6 +2,8 @@
 
 import os
 
+from ..coil import readCoilTables
+from ..ensembles.avoidedregions import readRegion
 from ..ensembles.sequencefiles import isSequenceFile, readSequences
 from ..errors import InputError
 from .arguments import refuseWithout
@@ -66,6 +68,9 @@ def atomSettings(options):
         raise InputError("--missing needs a structure, not sequences")
     elif options.domains:
         raise InputError("--domains needs a structure without missing residues: use --move-domains beside --missing")
+    readCoilTables(options.coil_tables)
+    for region in options.avoid or []:
+        readRegion(region)
     sequences = options.sequence and [each.letters for each in readSequences(options.sequence)]
     return {
         "missing": options.missing,
