@@ -41,7 +41,7 @@ def test_namedOptionsExist():
     for path in sorted(_PACKAGE.rglob("*.py")):
         known = options["sample"] & options["clashes"]
         if _PACKAGE / "command" in path.parents:
-            owners = [name for name in options if path.name.startswith(name.removesuffix("es"))]
+            owners = [name for name in options if name.removesuffix("es") in path.name]
             known = options[owners[0] if owners else "sample"]
         named = _namedOptions(path, rf"{''.join(f'(?<!{name} )' for name in options)}{_OPTION}")
         assert named - {"--version", "--help"} <= known, path
