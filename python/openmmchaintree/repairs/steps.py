@@ -6,11 +6,12 @@ Temperatures, weights and numbers of trials are from measurements (benchmarks/re
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ..residues import polymerBackbone
 from .scene import HARD_TOLERANCE, TOLERANCE
 
 _NEAR = 0.4  # nm from a clash
 _SPRINGS, _WEAKEST = 600, 5  # kJ/mol/nm² in the first round, and how often they are halved
-_MANY = 60  # clashes of two molecules that pass through one another
+_MANY = 8  # clashes of the backbones of two molecules that pass through one another
 _TRIALS_OF_MOLECULES = 20000
 _ROUNDS, _LATER_ROUNDS, _PATIENCE = 9, 3, 2
 
@@ -68,7 +69,9 @@ class RepairSteps:
 
     def _partMolecules(self, pairs):
         """Move molecules that pass through one another apart, as rigid bodies that side chains follow."""
-        between = self._scene.molecules[pairs]
+        backbone = {atom for residue in self._scene.residues for atom in polymerBackbone(residue)}
+        ofBackbones = np.isin(pairs, sorted(backbone)).all(axis=1)
+        between = self._scene.molecules[pairs[ofBackbones]]
         between = np.sort(between[between[:, 0] != between[:, 1]], axis=1)
         _, counts = np.unique(between, axis=0, return_counts=True)
         if counts.max(initial=0) < _MANY:
