@@ -95,6 +95,7 @@ def runLoop(options):
     seed = options.seed or random.SystemRandom().randrange(1, 2**31 - 1)
     structure = readStructure(options.source)
     printNotes(asPlain(structure.notes), console, False)
+    console.print(f"Growing loops of {options.loop}; files are written at the end")
     found, summary = (_anneal if options.forcefield else _sample)(options, structure, seed, console)
     summary = {"name": stem, "loop": options.loop, **summary, "seed": seed, "notes": asPlain(structure.notes)}
     folder.mkdir(parents=True, exist_ok=True)
