@@ -11,6 +11,8 @@ from pages import blocksOf, commandsOf, runCommand
 FILES = {
     "1l2y.pdb": "1l2y.pdb",
     "1l2y.xtc": "1l2y.xtc",
+    "1shg.pdb": "1shg.pdb",
+    "1ubi.pdb": "1ubi_h.pdb",
     "4hhb.pdb": "4hhb.pdb",
     "5pti.cif.gz": "hard/5PTI.cif.gz",
     "prediction.pdb.gz": "models/af2_violations.pdb.gz",
@@ -30,6 +32,13 @@ def test_theRecipeRuns(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     if words[1] == "clashes":
         assert "1,000 atoms" in runCommand(words, capsys)
+        return
+    if words[1] == "ensemble":
+        words = list(words)
+        words[words.index("--conformers") + 1] = "1"
+        report = runCommand(words + ["--trials", "200"] * ("--loop" in words), capsys)
+        folder = Path(words[words.index("-o") + 1])
+        assert f"to {folder}" in report and len(list(folder.glob("*-topology.pdb"))) == 1
         return
     report = runCommand(withFewTrials(words), capsys)
     prefix = words[words.index("-o") + 1]
