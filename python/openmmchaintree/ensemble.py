@@ -32,8 +32,7 @@ class Ensemble(NamedTuple):
     effectiveSampleSize : float, the least of the values that decide when the run ends
     trials : int, of the run
     isComplete : bool, whether the requested number of independent conformers was reached
-    trace : int array, the particles from the first to the last one of the end-to-end distance: beads, or the Cα atoms
-        of the longest part that was built
+    trace : int array, from the first to the last particle of the end-to-end distance: beads, or Cα of the longest part
     """
 
     topology: app.Topology

@@ -15,16 +15,18 @@ MODELS = ("coil", "spheres")
 class LoopEnsemble(NamedTuple):
     """Conformers of a loop, and the loops that were grown for them.
 
+    Conformers within 0.1 nm of the first one of a basin belong to it. Distances are root mean squares over N, CA, C and O
+    of the loop, in the frame of the fixed part.
+
     topology : openmm.app.Topology
     positions : (conformers, n, 3) float64 array, nm; all but the loop is where it was
     energies : (conformers) array, kJ/mol, of the model
-    distances : (conformers) array, nm, root mean square distance of N, CA, C and O of the loop from the given one, in
-        the frame of the fixed part
-    basins : (conformers) array of int, numbered from 0: conformers within 0.1 nm of the first one of a basin, in the
-        same sense, belong to it
+    distances : (conformers) array, nm, from the given loop
+    basins : (conformers) array of int, numbered from 0
     parents : (conformers) array of int, the grown loop from which each was sampled
     effectiveSampleSize : float, of the weights of grown loops, (Σ w)² / Σ w²
-    grown : int, closed loops without clashes, each independent of all others; runs : int, attempts
+    grown : int, closed loops without clashes, each independent of all others
+    runs : int, attempts
     isComplete : bool, whether the requested number of independent conformers was reached
     """
 

@@ -5,18 +5,19 @@
  *
  *     product over sets of p, times 1 / |J|, for loops that close and in which no pair clashes,
  *
- * per volume of all joints but six, the pivots; J is their determinant (ctclosure.h). For uniform p this is the density
- * of loops whose joints are uniform under the condition that they close. Joints in no set keep their present angles.
+ * per volume of all joints but six, the pivots; J is their determinant, as in closed windows. For uniform p it is the
+ * density of loops whose joints are uniform under the condition that they close. Joints in no set keep their present
+ * angles.
  *
  * A run grows a population of loops from both ends, set by set, side chains with the backbone that bears them. Each
  * member tries some draws of a set, and keeps one that does not clash, preferably one whose ends have a distance that
  * the remaining joints often bridge. Its weight is multiplied by the share of its draws that are free, and corrects the
  * preference. Members of low weight are replaced by copies of others (sequential Monte Carlo: Doucet, Johansen (2009);
  * Rosenbluth, Rosenbluth (1955)). In the middle the six pivots of three residues close each loop in all ways there are
- * (ctclosure.h), and one is drawn by its target density. One member is drawn from the final population, with the run's
- * estimate Z of the integral of the target as its weight. Then E[Z f] is the integral of f times the target, for any f
- * and any size of the population: weighted means over independent runs are means over the target. Larger populations
- * have more equal weights.
+ * as closed windows do, and one is drawn by its target density. One member is drawn from the final population, with the
+ * run's estimate Z of the integral of the target as its weight. Then E[Z f] is the integral of f times the target, for
+ * any f and any size of the population: weighted means over independent runs are means over the target. Larger
+ * populations have more equal weights.
  *
  * Pairs clash if r_i + r_j - d is above the tolerance, plus the allowance where one may donate a hydrogen bond that the
  * other accepts; pairs of one piece, excluded pairs, and pairs of radius 0 do not.
