@@ -45,12 +45,16 @@ def test_theJobRuns(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copy(PACKAGE_FILE, tmp_path / "my.pdb")
     (tmp_path / "my.fasta").write_text(">short\nGSGSGS\n")
+    with open(tmp_path / "model.pdb", "w") as file:
+        villin = readStructure()
+        openmm.app.PDBFile.writeFile(villin.topology, villin.positions * unit.nanometer, file)
     sample, ensemble = ["--trials", "400", "--frames", "1", "-o", "few"], ["--conformers", "20", "--workers", "1"]
     few = {"sample": sample, "ensemble": ensemble}.get(words[1], [])
     if "--temperatures" in words:  # Contexts of twelve replicas take long
         words[words.index("--temperatures") + 1] = "300:320:2"
     output = runCommand([*words, *few], capsys)
-    assert {"sample": "few.png", "ensemble": "my-ensemble", "clashes": "1,000 atoms"}[words[1]] in output
+    written = {"sample": "few.png", "ensemble": "my-ensemble", "clashes": "1,000 atoms", "repair": "model-repaired.pdb"}
+    assert written[words[1]] in output
 
 
 def test_theExamplesInPythonRun(tmp_path, monkeypatch):
