@@ -80,6 +80,7 @@ def test_publicHeadersAndNothingInternalAreThere(site):
     package = site / "openmmchaintree"
     headers = {str(path.relative_to(package / "include")) for path in package.glob("include/**/*.h")}
     classes = {
+        "LoopGrowth",
         "StericExclusionForce",
         "TorsionDensity",
         "TorsionMonteCarloIntegrator",

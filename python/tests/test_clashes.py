@@ -150,7 +150,7 @@ def test_radiiOfChoice():
     allAtom, unitedAtom = (findClashes(path, radii=radii)[0].clashes for radii in ("all-atom", "united-atom"))
     assert any(clash.atom1.atom.startswith("H") for clash in allAtom)
     assert unitedAtom and not any(name.atom.startswith("H") for clash in unitedAtom for name in clash[2:4])
-    with pytest.raises(ValueError, match="'bondi' is no set of radii"):
+    with pytest.raises(ValueError, match="'bondi' is not a set of radii"):
         findClashes(path, radii="bondi")
 
 

@@ -97,8 +97,8 @@ def test_badAttributes(attributes, message):
 
 def test_valuesOutOfRangeAreToldWhenTheSystemIsMade(villin):
     for attributes, words in [
-        ("radii='bondi'", "'bondi' is no set of radii"),
-        ("torsions='tau'", "'tau' is no kind"),
+        ("radii='bondi'", "'bondi' is not a set of radii"),
+        ("torsions='tau'", "'tau' is not a kind"),
         ("closures='rings'", "closures must be"),
     ]:
         with pytest.raises(ValueError, match=words):

@@ -221,7 +221,8 @@ def test_aNameThatIsNoText(runHere, tmp_path):
     name = os.fsdecode(b"m\xe9in.pdb")
     (tmp_path / STRUCTURE).rename(tmp_path / name)
     result = commands.run("sample", name, "--replicas", 1, folder=tmp_path)
-    assertRefused(result, tmp_path, [name], "structure 'm\\udce9in.pdb': is no text in utf-8")
+    words = "structure 'm\\udce9in.pdb': settings cannot hold it, since it is not text in utf-8"
+    assertRefused(result, tmp_path, [name], words)
     result = commands.run("clashes", name, "--json", "a.json", folder=tmp_path)
     assert result.returncode == 0, result.stderr
     assert json.loads((tmp_path / "a.json").read_text())["structure"] == name

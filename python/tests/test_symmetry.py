@@ -82,7 +82,7 @@ def overlapsOf(clashes):
 
 def contactsByGemmi(searched, reach):
     """Return (first, second, distance in nm) of all contacts with copies, each of two equivalent ones once."""
-    file = searched._models.file
+    file = searched.models.file
     structure = gemmi.Structure()
     structure.cell, structure.spacegroup_hm = file.cell, file.spacegroup_hm
     chain = gemmi.Chain("A")
@@ -112,7 +112,7 @@ def contactsByGemmi(searched, reach):
 
 
 def positionsOf(searched):
-    return searched._models.positions[0][searched.finder.atoms]
+    return searched.models.positions[0][searched.finder.atoms]
 
 
 def contactsOf(searched, radius):
@@ -134,7 +134,7 @@ def contactsOf(searched, radius):
 
 def assertOperators(searched, pairs, distances, operators):
     """Each operator, as gemmi reads it, puts the second atom at the distance."""
-    cell, places = searched._models.file.cell, [gemmi.Position(*place) for place in 10 * positionsOf(searched)]
+    cell, places = searched.models.file.cell, [gemmi.Position(*place) for place in 10 * positionsOf(searched)]
     for (first, second), distance, operator in zip(pairs.tolist(), distances, operators.tolist(), strict=True):
         fractions = gemmi.Op(operator).apply_to_xyz(cell.fractionalize(places[second]).tolist())
         copy = cell.orthogonalize(gemmi.Fractional(*fractions))
