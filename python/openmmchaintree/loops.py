@@ -15,8 +15,8 @@ MODELS = ("coil", "spheres")
 class LoopEnsemble(NamedTuple):
     """Conformers of a loop, and the loops that were grown for them.
 
-    Conformers within 0.1 nm of the first one of a basin belong to it. Distances are root mean squares over N, CA, C and O
-    of the loop, in the frame of the fixed part.
+    Conformers within 0.1 nm of the first one of a basin belong to it. Distances are root mean squares over N, CA, C and
+    O of the loop, in the frame of the fixed part.
 
     topology : openmm.app.Topology
     positions : (conformers, n, 3) float64 array, nm; all but the loop is where it was
