@@ -11,7 +11,7 @@ from openmm import app
 from openmm.unit import MOLAR_GAS_CONSTANT_R, kelvin, kilojoule_per_mole
 
 from .datatables import readRows
-from .densities import DrawnTorsions, loopCounts, loopKind, rotamerDensity, rotamersOf
+from .densities import DrawnTorsions, loopCounts, loopKind, rotamerDensity, rotamersOf, torsionIndices
 from .densitymaps import binsOf, mapOf, smoothLogDensity
 from .errors import InputError
 from .openmmchaintree import StericExclusionForce, TorsionDensity
@@ -148,10 +148,7 @@ def coilDensities(
         as `createCoilForce`
     """
     tables = readCoilTables(tables)
-    indices = {}
-    for index in range(force.getNumTorsions()):
-        particles = tuple(force.getTorsionParticles(index))
-        indices[particles] = indices[particles[::-1]] = index
+    indices = torsionIndices(force)
     drawn, densities = DrawnTorsions([], []), {}
     for found in _findSets(topology, None, selection, tables, False, kinds or {}):
         turning = [(indices[one], axis) for one, axis in zip(found.torsions, found.axes, strict=True) if one in indices]

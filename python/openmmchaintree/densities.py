@@ -135,12 +135,18 @@ def ramachandranDensities(
     return _notEmpty(drawn, "backbones of proteins")
 
 
-def _torsionsByResidue(topology, force, kinds, selection):
-    """Generate (residue, {kind: index of the force's torsion}) for residues with torsions of these kinds."""
+def torsionIndices(force):
+    """Return the index of each torsion of a StericExclusionForce by its four particles, in both directions."""
     indices = {}
     for index in range(force.getNumTorsions()):
         particles = tuple(force.getTorsionParticles(index))
         indices[particles] = indices[particles[::-1]] = index
+    return indices
+
+
+def _torsionsByResidue(topology, force, kinds, selection):
+    """Generate (residue, {kind: index of the force's torsion}) for residues with torsions of these kinds."""
+    indices = torsionIndices(force)
     found = {}
     search = findTorsions(topology, kinds=kinds, cutDisulfides=True, cutMetals=True, selection=selection)
     for torsion in search.torsions:
