@@ -4,7 +4,6 @@ The pieces of a program on a page form the whole program, in order; test_example
 the blocks between these pieces, runs from top to bottom; and so do its commands.
 """
 
-import shlex
 import sys
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import openmm
 import pytest
 from openmm import app, unit
 from openmmchaintree import createCalvadosSystem
-from pages import PROJECT, blocksOf, runCommand
+from pages import PROJECT, blocksOf, commandsOf, runCommand
 
 TUTORIALS = {
     "sampling.md": "sample_protein.py",
@@ -71,15 +70,13 @@ def test_theSnippetForBeadsRuns(tmp_path, monkeypatch):
     assert variables["force"].getNumBallJoints() == 36 and Path("chains.dcd").stat().st_size > 0
 
 
-_COMMANDS = ("sample", "clashes", "clashes")
-
-
 def test_theCommandsRun(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    sample, clashes, ofCrystal = (
-        shlex.split(text) for page in TUTORIALS for name, text in blocksOf(page) if name == "sh"
-    )
-    assert [sample[:2], clashes[:2], ofCrystal[:2]] == [["openmm-chaintree", name] for name in _COMMANDS]
+    blocks = (text for page in TUTORIALS for name, text in blocksOf(page) if name == "sh")
+    commands = [words for text in blocks for words in commandsOf(text)]
+    assert [words[1] for words in commands] == ["sample", *4 * ["clashes"]]
+    (sample, clashes), (ofCrystal,) = commands[:2], [words for words in commands if "--symmetry" in words]
+    scores, ofFolder = (words for words in commands if "--definition" in words)
     runCommand(sample, capsys)
     (tmp_path / "solvated-topology.pdb").replace(tmp_path / "my.pdb")
     (tmp_path / "solvated.dcd").replace(tmp_path / "my.dcd")
@@ -90,3 +87,9 @@ def test_theCommandsRun(tmp_path, monkeypatch, capsys):
     (tmp_path / "my.pdb").write_text("".join([cell, *(line for line in lines if not line.startswith("CRYST1"))]))
     runCommand(ofCrystal, capsys)
     assert (tmp_path / "contacts.json").exists()
+    (tmp_path / "predictions").mkdir()
+    for name in ("model.pdb", "predictions/first.pdb"):
+        (tmp_path / name).write_text("".join(lines))
+    assert "MolProbity: clashscore " in runCommand(scores, capsys)
+    runCommand(ofFolder, capsys)
+    assert len((tmp_path / "scores.csv").read_text().splitlines()) == 2
