@@ -4,7 +4,7 @@
 
 Minimizers use AMBER14: `vacuum` and `gbn2` are free; `restrained`, in vacuum, has AlphaFold's springs on heavy atoms
 (10 kcal/mol/Å²). Missing atoms and hydrogens are added by PDBFixer. Clashscores are MolProbity's, as the package counts
-them, with hydrogens placed as by Reduce. Times are those of one core (process_time), without reading.
+them, with hydrogens placed as by Reduce. Times are CPU times of one process, without reading.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def measureRepair(name, topology, positions, mendsBonds, seed):
 
 
 def measureMinimizer(name, path, topology, positions, method):
-    """Return the Result of OpenMM's minimizer; what it cannot do is its failure."""
+    """Return the Result of OpenMM's minimizer; an error of the minimizer becomes its failure."""
     begin = time.process_time()
     try:
         minimized = _minimize(path, topology, positions, method)

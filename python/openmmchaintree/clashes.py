@@ -2,7 +2,7 @@
 
 import os
 from itertools import repeat
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 import openmm
@@ -106,14 +106,19 @@ def findClashes(
     from .structures.clashsearch import ClashSearch
 
     search = ClashSearch(structure, trajectory, radii, water, ions, periodic, symmetry)
-    frames: list[FrameClashes] = []
+    return listFrames(search)
+
+
+def listFrames(search: Any) -> list[Any]:
+    """Return what a search yields for each frame, and warn of its notes; an InputError gets the earlier frames."""
+    frames: list[Any] = []
     try:
         frames.extend(search)
     except InputError as error:
         error.frames = frames
         raise
     finally:
-        warnOf(search.notes, stacklevel=2)
+        warnOf(search.notes, stacklevel=3)
     return frames
 
 

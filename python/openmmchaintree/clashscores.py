@@ -3,10 +3,8 @@
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from .clashes import Path
-from .errors import InputError
+from .clashes import Path, listFrames
 from .nearnames import didYouMean
-from .notes import warnOf
 
 if TYPE_CHECKING:
     from .scoring.modelscores import ClashScores
@@ -60,13 +58,4 @@ def scoreClashes(
     for definition in chosen:
         if definition not in DEFINITIONS:
             raise ValueError(f"there is no definition {definition!r}{didYouMean(definition, DEFINITIONS)}")
-    search = ScoreSearch(structure, trajectory, chosen, keepHydrogens, flips)
-    found: list[ClashScores] = []
-    try:
-        found.extend(search)
-    except InputError as error:
-        error.frames = found
-        raise
-    finally:
-        warnOf(search.notes, stacklevel=2)
-    return found
+    return listFrames(ScoreSearch(structure, trajectory, chosen, keepHydrogens, flips))

@@ -10,7 +10,7 @@ from .arguments import refuseWithout
 
 _MODEL = "coil"
 _OF_MISSING = ("sequence", "move_domains")
-_OPTIONS = ("missing", *_OF_MISSING, "hydrogens", "coil_tables", "avoid", "bias")
+ALL_ATOM_OPTIONS = ("missing", *_OF_MISSING, "hydrogens", "coil_tables", "avoid", "bias")
 
 
 def addAllAtoms(parser):
@@ -60,7 +60,7 @@ def atomSettings(options):
         if options contradict each other, or a file cannot be read
     """
     if options.model != _MODEL:
-        refuseWithout(options, f"--model {_MODEL}", *_OPTIONS)
+        refuseWithout(options, f"--model {_MODEL}", *ALL_ATOM_OPTIONS)
         return {}
     if not options.missing:
         refuseWithout(options, "--missing", *_OF_MISSING)

@@ -13,6 +13,7 @@ from ..loops import annealLoop, sampleLoop
 from ..structures.structure import readStructure
 from .arguments import positive, refuseWithout
 from .energymodel import EnergyModel
+from .ensembleatoms import ALL_ATOM_OPTIONS
 from .ensemblejob import asDCD, asPDB
 from .ensemblejobs import stemOf
 from .outputs.output import Output
@@ -26,18 +27,7 @@ CONFORMERS_OF_LOOPS = 100
 _TOO_FEW = 3  # exit status: the weights hold too few independent conformers
 _TRIALS = {False: 5000, True: 50000}  # of each conformer, without and with a force field
 _OPTIONS = ("forcefield", "prepare", "trials", "max_grown")
-_OTHERS = (
-    "domains",
-    "missing",
-    "sequence",
-    "move_domains",
-    "hydrogens",
-    "coil_tables",
-    "avoid",
-    "bias",
-    "resume",
-    "scheduler",
-)
+_OTHERS = ("domains", *ALL_ATOM_OPTIONS, "resume", "scheduler")
 
 
 def addLoops(parser):
